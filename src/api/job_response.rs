@@ -96,7 +96,7 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
-    /// Spectra of the squared envelopes of a succeeded simulation.
+    /// Envelope spectra of the accelerations of a succeeded simulation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub envelope_svg: Option<String>,

@@ -62,12 +62,12 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 ///
 /// Simulation:
 /// - `spectrum.svg`: the kept amplitude spectra, with labelled lines.
-/// - `envelope.svg`: the spectra of the squared envelopes of the accelerations, with labelled lines.
+/// - `envelope.svg`: the spectra of the envelopes of the accelerations, with labelled lines.
 /// - `velocity.svg`, `acceleration.svg`: velocity and acceleration of the spindle over time, thinned so that peaks survive.
 /// - `orbit.svg`: the paths of the centres of spindle and cage.
 /// - `loads.svg`: loads of ball 1 over its orbit, if contacts were requested.
-/// - `impact.svg`: the acceleration of the spindle around its largest peak, if a raceway has a defect. With a single defect it marks the
-///   times at which the ball passes the edges, as if the peak were its last impact there.
+/// - `impact.svg`: the acceleration of the spindle around its largest peak, if a raceway has a defect. Times at which the centre of a ball
+///   is over a defect are shaded.
 ///
 /// At a steady speed these plots show the last 12 ball passages, four turns, or the first three turns of the ball; otherwise the whole
 /// run. Of a run longer than 1 s they show at most its first second.

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use super::loads::{LoadCurve, loads_svg};
 use super::map::{MapPanel, map_svg};
 use super::orbit::{OrbitCurve, orbit_svg};
-use super::series::{SeriesCurve, TimeMark, series_svg};
+use super::series::{SeriesCurve, TimeSpan, series_svg};
 use super::spectrum::{SpectrumCurve, spectrum_svg};
 use super::trend::{TrendCurve, TrendPanel, trend_svg};
 use super::varied_axis::{AxisValues, VariedAxis};
@@ -28,9 +28,9 @@ pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
     labelled_spectra("Vibration spectrum", metrics, metrics.lines.as_deref(), spectra)
 }
 
-/// The spectra of the squared envelopes of a job's accelerations, with their labelled lines.
+/// The envelope spectra of a job's accelerations, with their labelled lines.
 pub fn envelopes(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
-    labelled_spectra("Spectrum of the squared envelope", metrics, metrics.envelope_lines.as_deref(), spectra)
+    labelled_spectra("Envelope spectrum", metrics, metrics.envelope_lines.as_deref(), spectra)
 }
 
 fn labelled_spectra(
@@ -107,7 +107,7 @@ pub fn series(series: &[SeriesAnswer]) -> String {
     series_svg("Motion of the spindle", "time since the start of the run", &curves.collect::<Vec<_>>(), &[])
 }
 
-/// The acceleration around its largest peak, with the times at which the ball passes the edges of the defect.
+/// The acceleration around its largest peak, with the times at which balls are over defects.
 pub fn impact(impact: &ImpactView) -> String {
     let series: Vec<SeriesAnswer> = impact.traces.iter().cloned().map(TraceView::series).collect();
     let curves = series.iter().map(|series| SeriesCurve {
@@ -116,18 +116,9 @@ pub fn impact(impact: &ImpactView) -> String {
         time_s: &series.time_s,
         value: &series.value,
     });
-    let mark = |name, time_s| TimeMark { name, time_s };
-    let marks = match impact.edges_s {
-        Some((entry, exit)) => vec![mark("entry", entry), mark("exit", exit)],
-        None => Vec::new(),
-    };
-    let subtitle = match impact.edges_s {
-        Some(_) => {
-            "three ball passages around the largest peak; entry and exit as if it were the last impact in the defect"
-        }
-        None => "three ball passages around the largest peak",
-    };
-    series_svg("Acceleration around an impact", subtitle, &curves.collect::<Vec<_>>(), &marks)
+    let spans: Vec<TimeSpan> = impact.passages_s.iter().map(|&(from_s, to_s)| TimeSpan { from_s, to_s }).collect();
+    let subtitle = "three ball passages around the largest peak; shaded: a ball's centre over a defect";
+    series_svg("Acceleration around an impact", subtitle, &curves.collect::<Vec<_>>(), &spans)
 }
 
 /// Error against run time, one curve for each method.

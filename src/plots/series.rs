@@ -22,20 +22,19 @@ const BOTTOM: f64 = 48.0;
 /// Time span below which labels are in milliseconds [s].
 const MILLISECONDS_BELOW: f64 = 2.0;
 
-/// A marked time.
-pub struct TimeMark<'a> {
-    pub name: &'a str,
-    pub time_s: f64,
+/// A time span that is shaded in every panel.
+pub struct TimeSpan {
+    pub from_s: f64,
+    pub to_s: f64,
 }
 
-/// Stacked signals on one time axis, signals of one unit on one scale; thinned so that peaks are kept. Marks are named above the first
-/// panel.
-pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>], marks: &[TimeMark<'_>]) -> String {
+/// Stacked signals on one time axis, signals of one unit on one scale; thinned so that peaks are kept.
+pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>], spans: &[TimeSpan]) -> String {
     let height = TOP + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
     let mut description = format!("{subtitle}. Time series of {}.", names.join(", "));
-    for mark in marks {
-        description += &format!(" {} at {:.6} s.", mark.name, mark.time_s);
+    for span in spans {
+        description += &format!(" Shaded from {:.6} s to {:.6} s.", span.from_s, span.to_s);
     }
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description);
     let times = curves.iter().flat_map(|curve| curve.time_s).copied().filter(|time| time.is_finite());
@@ -53,7 +52,11 @@ pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>], marks
         let y = Scale { values: range_of(alike), positions: (bottom, top) };
         drawing.text("name", Anchor::Start, LEFT, top - 8.0, curve.name);
         frame(&mut drawing, &x, &y, curve.unit);
-        draw_marks(&mut drawing, marks, &x, per_second, (top, bottom), number == 0);
+        for span in spans {
+            let at = |time_s: f64| x.at(time_s * per_second).clamp(x.positions.0, x.positions.1);
+            let (from, to) = (at(span.from_s), at(span.to_s));
+            drawing.rectangle("band", from, top, to - from, PANEL);
+        }
         let points = thin(curve.value, 2 * (WIDTH - LEFT - RIGHT) as usize);
         drawing.curve(
             number,
@@ -66,33 +69,6 @@ pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>], marks
     let caption = format!("time in {time_unit}");
     drawing.text("", Anchor::Middle, 0.5 * (LEFT + WIDTH - RIGHT), bottom + 40.0, &caption);
     drawing.finish()
-}
-
-/// Lines at the marked times within a panel; named above it.
-fn draw_marks(
-    drawing: &mut Drawing,
-    marks: &[TimeMark<'_>],
-    x: &Scale,
-    per_second: f64,
-    (top, bottom): (f64, f64),
-    named: bool,
-) {
-    for (row, mark) in marks.iter().enumerate() {
-        let at = x.at(mark.time_s * per_second);
-        if !(x.positions.0..=x.positions.1).contains(&at) {
-            continue;
-        }
-        drawing.line("floor", (at, top), (at, bottom));
-        if named {
-            // The first name stands before its line, the last after it, and those between on it, a row higher.
-            let (anchor, shift, row) = match row {
-                0 => (Anchor::End, -4.0, 0.0),
-                _ if row + 1 == marks.len() => (Anchor::Start, 4.0, 0.0),
-                _ => (Anchor::Middle, 0.0, 1.0),
-            };
-            drawing.text("small", anchor, at + shift, top - 4.0 - 14.0 * row, mark.name);
-        }
-    }
 }
 
 /// Panel, grid and axis labels.
@@ -129,15 +105,20 @@ mod tests {
                 SeriesCurve { name: "spindle.y.velocity", unit: "mm/s", time_s: &time, value: &y },
                 SeriesCurve { name: "spindle.z.velocity", unit: "mm/s", time_s: &time, value: &z },
             ],
-            &[TimeMark { name: "entry", time_s: 0.05 }, TimeMark { name: "exit", time_s: 7.0 }],
+            &[TimeSpan { from_s: 0.05, to_s: 0.06 }],
         );
         assert_well_formed(&svg);
-        for text in
-            ["mm/s", "time in ms", "spindle.y.velocity", "spindle.z.velocity", "&amp; &lt;more&gt;", ">100<", ">entry<"]
-        {
+        for text in [
+            "mm/s",
+            "time in ms",
+            "spindle.y.velocity",
+            "spindle.z.velocity",
+            "&amp; &lt;more&gt;",
+            ">100<",
+            "0.050000 s",
+        ] {
             assert!(svg.contains(text), "{text}");
         }
-        assert!(!svg.contains(">exit<"), "a mark outside the shown time has no line");
         assert!(svg.len() < 60_000, "thinned: {} bytes", svg.len());
     }
 

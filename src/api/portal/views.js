@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { button, h, labelled, labelledRadio, lineName, more, select, small, table, tools } from './dom.js';
 import { command, csv, curl, flat, keep, save } from './download.js';
 import { channelName, number, quantity } from './format.js';
-import { usualLimit } from './metrics.js';
+import { linesOf, usualLimit } from './metrics.js';
 import { ballBars, CurvePlot, orbit, picture, SpectrumPlot } from './plots.js';
 
 /** Series for orbit and time plots, which the service keeps only on request. */
@@ -23,6 +23,7 @@ const VIEWS = [
   ['velocity', 'Velocity'],
   ['acceleration', 'Acceleration'],
   ['loads', 'Ball loads'],
+  ['impact', 'Impact'],
 ];
 const POINTS = 4000;
 
@@ -48,9 +49,20 @@ export class Views {
     Object.assign(this, { job, metrics });
     this.channels = job.request.outputs?.spectra ?? ['spindle.y.acceleration', 'spindle.z.acceleration'];
     if (!this.channels.includes(this.channel)) [this.channel] = this.channels;
-    this.limit = this.chosenLimit ?? usualLimit(metrics);
+    this.#usualLimit();
+    const hasImpact = Boolean(job.links.impact_svg);
+    const impact = this.element.querySelector('input[name=view][value=impact]');
+    impact.closest('label').hidden = !hasImpact;
+    if (this.view === 'impact' && !hasImpact) {
+      this.view = 'spectrum';
+      this.element.querySelector('input[name=view][value=spectrum]').checked = true;
+    }
     this.stage.replaceChildren();
     await this.#draw();
+  }
+
+  #usualLimit() {
+    this.limit = this.chosenLimit ?? usualLimit(this.metrics, this.kind);
   }
 
   #choice() {
@@ -73,6 +85,7 @@ export class Views {
       this.extras.replaceChildren();
       if (view === 'spectrum') await this.#spectrum(signal);
       else if (view === 'loads') await this.#loads(signal);
+      else if (view === 'impact') await this.#picture('impact', 'The acceleration of the spindle around its largest peak.', signal);
       else await this.#motion(view, signal);
     } catch (error) {
       if (!signal.aborted) this.stage.replaceChildren(h('p', { class: 'error' }, error.message));
@@ -109,6 +122,7 @@ export class Views {
       ],
       (value) => {
         this.kind = value;
+        this.#usualLimit();
         this.#draw();
       },
     );
@@ -123,10 +137,10 @@ export class Views {
     );
     const path = (limit) => api.spectrumPath(id, this.channel, limit, this.kind);
     const spectrum = await api.get(path(this.limit), { signal });
-    const all = this.kind === 'envelope' ? this.metrics.envelope_lines : this.metrics.lines;
-    const lines = all?.filter((line) => line.channel === this.channel) ?? [];
+    const lines = linesOf(this.metrics, this.kind).filter((line) => line.channel === this.channel);
     this.stage.replaceChildren(figure);
     const plot = this.spectrumPlot;
+    const picture = this.kind === 'envelope' ? 'envelope' : 'spectrum';
     plot.draw({ spectra: [{ name: this.channel, ...spectrum }], lines, unit: spectrum.unit, limit: this.limit });
     const strongest = lines[0];
     const text =
@@ -156,7 +170,7 @@ export class Views {
         [
           ['Spectrum CSV', () => keep(`spectrum-${id}.csv`, path(), 'text/csv')],
           ['Spectrum JSON', () => keep(`spectrum-${id}.json`, path(), 'application/json')],
-          ['Plot SVG', () => keep(`spectrum-${id}.svg`, `/v1/jobs/${id}/plots/spectrum.svg`, 'image/svg+xml')],
+          ['Plot SVG', () => keep(`${picture}-${id}.svg`, `/v1/jobs/${id}/plots/${picture}.svg`, 'image/svg+xml')],
         ],
         { path: path(this.limit), accept: 'text/csv' },
       ),

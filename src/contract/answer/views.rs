@@ -56,12 +56,13 @@ pub struct OrbitView {
     pub z: Vec<f64>,
 }
 
-/// The spindle's acceleration around its largest peak, with the times of entry and exit where they are derived.
+/// The spindle's acceleration around its largest peak, with the passages over defects.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImpactView {
     pub traces: Vec<TraceView>,
     pub peak_s: f64,
-    pub edges_s: Option<(f64, f64)>,
+    /// Times of entry and exit.
+    pub passages_s: Vec<(f64, f64)>,
 }
 
 /// Raceway loads of ball 1 against its azimuth.
@@ -85,7 +86,7 @@ impl ViewsAnswer {
             impact: views.impact.as_ref().map(|impact| ImpactView {
                 traces: impact.traces.iter().map(trace).collect(),
                 peak_s: impact.peak,
-                edges_s: impact.edges,
+                passages_s: impact.passages.iter().map(|passage| (passage.entry, passage.exit)).collect(),
             }),
         }
     }

@@ -29,8 +29,8 @@ const SEED: u64 = 1;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfacesInput {
-    /// Quality of both raceways. It gives `random_waviness` of the raceways that have none: an amplitude of 2 nm (`precision`), 10 nm
-    /// (`standard`) or 50 nm (`worn`) at order 10, falling as 1/order. These amplitudes are assumptions; no standard fixes them. Default:
+    /// Quality of both raceways. It gives `random_waviness` of the raceways that have none: an amplitude of 1 nm (`precision`), 5 nm
+    /// (`standard`) or 25 nm (`worn`) at order 10, falling as 1/order. These amplitudes are assumptions; no standard fixes them. Default:
     /// no waviness but the given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<SurfaceName>, example = "standard")]

@@ -131,7 +131,7 @@ fn a_preset_fills_random_waviness() {
         } });
         serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap())).unwrap()
     };
-    for (preset, amplitude) in [("precision", 2.0), ("standard", 10.0), ("worn", 50.0)] {
+    for (preset, amplitude) in [("precision", 1.0), ("standard", 5.0), ("worn", 25.0)] {
         let answer = resolve(json!({ "preset": preset }));
         let waviness = json!({ "amplitude_nm": amplitude, "at_order": 10, "exponent": 1.0, "from_order": 2 });
         let surface = json!({ "random_waviness": waviness });
@@ -150,7 +150,7 @@ fn a_preset_fills_random_waviness() {
     let mixed = resolve(json!({ "preset": "worn", "outer": own }));
     let surfaces = &mixed["scene"]["surfaces"];
     assert_eq!(surfaces["outer"]["random_waviness"]["amplitude_nm"], 3.0);
-    assert_eq!(surfaces["inner"]["random_waviness"]["amplitude_nm"], 50.0);
+    assert_eq!(surfaces["inner"]["random_waviness"]["amplitude_nm"], 25.0);
     assert_eq!(mixed["derived"]["surfaces"]["outer"]["defects"].as_array().unwrap().len(), 1);
     assert!(!mixed["defaults"].to_string().contains("outer/random_waviness/amplitude_nm"));
     assert_eq!(resolve(surfaces.clone())["scene"]["surfaces"], *surfaces, "the resolved scene is the same work");

@@ -82,18 +82,18 @@ pub fn surface(name: &str) -> Option<&'static SurfacePreset> {
 pub const SURFACES: [SurfacePreset; 3] = [
     SurfacePreset {
         name: "precision",
-        description: "2 nm at order 10, falling as 1/order, on both raceways; the amplitude is an assumption",
-        amplitude: 2e-9,
+        description: "1 nm at order 10, falling as 1/order, on both raceways; the amplitude is an assumption",
+        amplitude: 1e-9,
     },
     SurfacePreset {
         name: "standard",
-        description: "10 nm at order 10, falling as 1/order, on both raceways; the amplitude is an assumption",
-        amplitude: 10e-9,
+        description: "5 nm at order 10, falling as 1/order, on both raceways; the amplitude is an assumption",
+        amplitude: 5e-9,
     },
     SurfacePreset {
         name: "worn",
-        description: "50 nm at order 10, falling as 1/order, on both raceways; the amplitude is an assumption",
-        amplitude: 50e-9,
+        description: "25 nm at order 10, falling as 1/order, on both raceways; the amplitude is an assumption",
+        amplitude: 25e-9,
     },
 ];
 

@@ -17,8 +17,8 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::failure::Departure;
-use crate::simulation::model::load_zone::LoadZone;
 use crate::simulation::model::state::Layout;
+use crate::simulation::model::surface_sites::SurfaceSites;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// Steps in a period of the fastest wave of a raceway [-].
@@ -47,8 +47,8 @@ pub struct Mechanism {
     pub(crate) defect_step: f64,
     /// Defects of the raceways, as they limit steps.
     pub(crate) defects: PerRaceway<Vec<DefectReach>>,
-    /// Azimuths at which balls are pressed at rest; `None` on ideal circles.
-    pub(crate) load_zone: Option<LoadZone>,
+    /// Places that balls are observed at; `None` on ideal circles.
+    pub(crate) sites: Option<SurfaceSites>,
     pub pocket: Pocket,
     /// Contact of neighbouring balls; `None`: a cage keeps them apart.
     pub neighbours: Option<NeighbourContact>,
@@ -159,7 +159,7 @@ impl Mechanism {
             wave_frequency: 0.0,
             defect_step: f64::INFINITY,
             defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
-            load_zone: None,
+            sites: None,
             pocket: Pocket::new(
                 bearing,
                 &scene.cage,

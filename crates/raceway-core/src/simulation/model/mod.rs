@@ -5,7 +5,7 @@ pub mod terms;
 
 pub mod state;
 
-pub(crate) mod load_zone;
+pub(crate) mod surface_sites;
 
 pub mod mechanism;
 

@@ -12,8 +12,8 @@ use crate::physics::surface::waviness::{
 };
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::equilibrium::equilibrium;
-use crate::simulation::model::load_zone::LoadZone;
 use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::surface_sites::{LoadZone, SurfaceSites};
 
 /// Waves and defects of one raceway, and the contact that averages them.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,8 +105,10 @@ pub(crate) fn with_surfaces(ideal: Mechanism, scene: &Scene) -> Mechanism {
     let wave_frequency = surfaces.inner.waves.highest_frequency().max(surfaces.outer.waves.highest_frequency());
     let recesses = surfaces.inner.defects.iter().chain(&surfaces.outer.defects);
     let defect_step = recesses.map(Recess::longest_step).fold(f64::INFINITY, f64::min);
-    let load_zone = load_zone(&ideal, scene.operating_speed());
+    let edges = |of: &AveragedSurface| of.defects.iter().map(Recess::edges).collect();
+    let defects = PerRaceway { inner: edges(&surfaces.inner), outer: edges(&surfaces.outer) };
+    let sites = Some(SurfaceSites { load_zone: load_zone(&ideal, scene.operating_speed()), defects });
     let PerRaceway { inner: inner_contact, outer: outer_contact } = ideal.raceway;
     let raceway = PerRaceway { inner: inner_contact.with_surface(inner), outer: outer_contact.with_surface(outer) };
-    Mechanism { raceway, wave_frequency, defect_step, defects: reaches, load_zone, ..ideal }
+    Mechanism { raceway, wave_frequency, defect_step, defects: reaches, sites, ..ideal }
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::numerics::statistics::thin;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::load_course::values_in_turns;
 use crate::simulation::recording::record::Recording;
@@ -46,23 +47,14 @@ pub struct Orbit {
     pub z: Vec<f64>,
 }
 
-/// Times at which a ball passes the edges of a defect, about its last impact there [s].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EdgeTimes {
-    /// From the entry to the last impact.
-    pub entry_to_impact: f64,
-    /// From the entry to the other edge.
-    pub entry_to_exit: f64,
-}
-
 /// The spindle's acceleration around its largest peak.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Impact {
     pub traces: Vec<Trace>,
     /// Time of the peak [s].
     pub peak: f64,
-    /// Times of entry and exit, as if the peak were the last impact of a ball in the only defect [s].
-    pub edges: Option<(f64, f64)>,
+    /// Passages of balls over defects within these traces.
+    pub passages: Vec<Passage>,
 }
 
 /// Data of all plots of a run.
@@ -100,7 +92,7 @@ impl PlotData {
 
 impl Impact {
     /// The largest peak of the accelerations in y and z over the first window; `None` without a signal.
-    pub fn of(recording: &Recording, balls: usize, edges: Option<EdgeTimes>) -> Option<Self> {
+    pub fn of(recording: &Recording, balls: usize) -> Option<Self> {
         let of = |axis| recording.of(Channel::Spindle(axis, Motion::Acceleration));
         let signals: Vec<&Signal> = [Axis::Y, Axis::Z].into_iter().filter_map(of).collect();
         let largest = |signal: &&Signal| {
@@ -112,12 +104,10 @@ impl Impact {
         let shown = values_in_turns(all, IMPACT_PASSAGES, Some(recording.cage_speed * balls as f64));
         let first = place.saturating_sub(shown / 2).min(all - shown);
         let trace = |signal: &&Signal| part(recording.start, signal, first..first + shown);
-        let peak = recording.start + place as f64 / RATE;
-        let edges = edges.map(|EdgeTimes { entry_to_impact, entry_to_exit }| {
-            let entry = peak - entry_to_impact;
-            (entry, entry + entry_to_exit)
-        });
-        Some(Self { traces: signals.iter().map(trace).collect(), peak, edges })
+        let time = |place: usize| recording.start + place as f64 / RATE;
+        let is_shown = |passage: &&Passage| passage.exit > time(first) && passage.entry < time(first + shown);
+        let passages = recording.passages.iter().filter(is_shown).copied().collect();
+        Some(Self { traces: signals.iter().map(trace).collect(), peak: time(place), passages })
     }
 }
 

@@ -4,6 +4,7 @@ use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::series::SeriesRecording;
@@ -82,6 +83,8 @@ pub struct Recording {
     pub parts: Vec<Quantities>,
     /// Loads of the first ball over its azimuth, where contacts are requested.
     pub loads: Option<BallLoadCourse>,
+    /// Passages of balls over defects in the first window, in the order of their ends.
+    pub passages: Vec<Passage>,
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m]; `None` where it was not observed.
     pub largest_pocket_offset: Option<f64>,
 }

@@ -1,13 +1,11 @@
 //! The result of a run, assembled from its recording and the reports of the solver.
 
-use crate::physics::bearing::PerRaceway;
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
-use crate::simulation::model::surfaces::averaged_surfaces;
 use crate::simulation::model::terms::LeftOut;
-use crate::simulation::recording::plot_data::{EdgeTimes, Impact, PlotData};
+use crate::simulation::recording::plot_data::{Impact, PlotData};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::metrics::{self, SolverReport, Spectra, Summary};
@@ -44,9 +42,7 @@ impl RunResult {
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
-        let impact = || Impact::of(recording, balls, edge_times(scene, mechanism));
-        let has_defects = scene.surfaces.have_defects();
-        let impact = || has_defects.then(impact).flatten();
+        let impact = || Impact::of(recording, balls).filter(|_| scene.surfaces.have_defects());
         let plot_data = || PlotData { impact: impact(), ..PlotData::of(recording, balls, is_steady) };
         let (spectra, plot_data) = match outputs.keep_signals() {
             true => (metrics::spectra(recording, settings), plot_data()),
@@ -69,15 +65,4 @@ impl RunResult {
         };
         Self { summary, spectra, series: metrics::series(recording, settings), plot_data, left_out }
     }
-}
-
-/// Times of a ball at the edges of the only defect at the largest speed; `None` with several defects, which no signal tells apart.
-fn edge_times(scene: &Scene, mechanism: &Mechanism) -> Option<EdgeTimes> {
-    let PerRaceway { inner, outer } = averaged_surfaces(mechanism, scene)?;
-    let [recess] = &[inner.defects, outer.defects].concat()[..] else { return None };
-    let times = EdgeTimes {
-        entry_to_impact: recess.entry_to_impact(),
-        entry_to_exit: recess.defect.length / recess.contact.speed,
-    };
-    times.entry_to_exit.is_finite().then_some(times)
 }

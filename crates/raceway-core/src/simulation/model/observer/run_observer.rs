@@ -12,11 +12,11 @@ use crate::physics::kinematics::LoadedBall;
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
+use crate::simulation::model::surface_sites::SiteObserver;
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
-use crate::simulation::recording::off_raceway::OffTime;
 use crate::simulation::recording::record::{Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
@@ -81,9 +81,8 @@ pub struct Observer<'m> {
     parts: Vec<Quantities>,
     /// Moments of the cage over the current part.
     part_cage: CageMoments,
-    /// Time of balls off their raceways, where it is observed, and the time until which it is counted [s].
-    off_time: Option<OffTime>,
-    counted_until: Option<f64>,
+    /// Balls in the load zone and over defects, on raceways that are no circles.
+    sites: Option<SiteObserver<'m>>,
 }
 
 impl<'m> Observer<'m> {
@@ -146,8 +145,10 @@ impl<'m> Observer<'m> {
             rolling: LoadedRolling::default(),
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
-            off_time: (settings.outputs.contacts && model.mechanism().load_zone.is_some()).then(|| OffTime::new(balls)),
-            counted_until: None,
+            sites: model.mechanism().sites.as_ref().map(|sites| {
+                let window = settings.outputs.keep_signals().then_some(settings.outputs.longest_window);
+                SiteObserver::new(sites, balls, settings.outputs.contacts, window)
+            }),
         }
     }
 
@@ -281,22 +282,18 @@ impl<'m> Observer<'m> {
             self.part_cage.y.add(y);
             self.part_cage.z.add(z);
         }
-        self.count_off_time(time);
+        self.observe_sites(time);
     }
 
-    /// Counts the time since the last sample for each ball in the load zone.
-    fn count_off_time(&mut self, time: f64) {
-        let m = self.model.mechanism();
-        let (Some(off_time), Some(zone)) = (&mut self.off_time, &m.load_zone) else { return };
-        let interval = time - self.counted_until.replace(time).unwrap_or(time);
+    fn observe_sites(&mut self, time: f64) {
+        let (m, state, snapshot) = (self.model.mechanism(), &self.state, &self.snapshot);
+        let Some(sites) = &mut self.sites else { return };
         let (angle, _, _) = m.speed.at(time);
-        for ball in 0..m.layout.balls {
-            let arc = m.layout.ball(&self.state, ball).arc;
-            if zone.contains(m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius) {
-                let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
-                off_time.add(ball, interval, load);
-            }
-        }
+        sites.observe(time, angle, |ball| {
+            let arc = m.layout.ball(state, ball).arc;
+            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius;
+            (azimuth, PerRaceway { inner: snapshot.inner[ball], outer: snapshot.outer[ball] })
+        });
     }
 
     /// Returns whether the next sample is at the time of a recorded value.
@@ -426,7 +423,7 @@ impl<'m> Observer<'m> {
         let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
-        let off = self.off_time.as_ref().and_then(OffTime::shares);
+        let off = self.sites.as_ref().and_then(SiteObserver::off_shares);
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
@@ -454,6 +451,7 @@ impl<'m> Observer<'m> {
             ball_spin: self.spin.mean(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
+            passages: self.sites.map(SiteObserver::into_passages).unwrap_or_default(),
             largest_pocket_offset: None,
         }
     }

@@ -14,9 +14,9 @@ use crate::physics::contact::film::ThinnestFilm;
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
+use crate::simulation::model::surface_sites::SiteObserver;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
-use crate::simulation::recording::off_raceway::OffTime;
 use crate::simulation::recording::record::{ContactExtremes, Quantities, Recording, cage_slip};
 use crate::simulation::recording::sampling::{SPINDLE_IN_PLANE, picked_channels};
 use crate::simulation::recording::series::SeriesRecording;
@@ -89,8 +89,8 @@ pub(super) struct Observer<'a> {
     /// Loaded balls of the current part, where the slip of the cage is requested, and rolling in the parts before.
     lift: Option<LoadedLift>,
     rolling: LoadedRolling,
-    /// Time of balls off their raceways [steps], where it is observed.
-    off_time: Option<OffTime>,
+    /// Balls in the load zone and over defects, on raceways that are no circles.
+    sites: Option<SiteObserver<'a>>,
 }
 
 /// Largest values of a part of the recorded time, by group of balls.
@@ -218,8 +218,10 @@ impl<'a> Observer<'a> {
             films: model.needs().film_thickness.then(Films::new),
             lift: outputs.cage.then(LoadedLift::default),
             rolling: LoadedRolling::default(),
-            off_time: (outputs.contacts && model.mechanism().load_zone.is_some())
-                .then(|| OffTime::new(model.mechanism().layout.balls)),
+            sites: model.mechanism().sites.as_ref().map(|sites| {
+                let window = outputs.keep_signals().then_some(outputs.longest_window);
+                SiteObserver::new(sites, model.mechanism().layout.balls, outputs.contacts, window)
+            }),
         }
     }
 
@@ -319,22 +321,20 @@ impl<'a> Observer<'a> {
         if let Some(films) = &mut self.films {
             films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
-        self.count_off_time(stepper);
+        self.observe_sites(stepper);
     }
 
-    /// Counts this step for each ball in the load zone.
     #[inline(never)]
-    fn count_off_time(&mut self, stepper: &Stepper<'_>) {
+    fn observe_sites(&mut self, stepper: &Stepper<'_>) {
         let m = self.model.mechanism();
-        let (Some(off_time), Some(zone)) = (&mut self.off_time, &m.load_zone) else { return };
+        let Some(sites) = &mut self.sites else { return };
         let (angle, _, _) = m.speed.at(stepper.time());
-        for ball in 0..m.layout.balls {
+        sites.observe(stepper.time(), angle, |ball| {
             let (group, lane) = (ball / LANES, ball % LANES);
             let (arc, load) = (stepper.balls()[group].arc[lane], &stepper.ball_loads()[group].load);
-            if zone.contains(m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius) {
-                off_time.add(ball, 1.0, PerRaceway { inner: load.inner[lane].into(), outer: load.outer[lane].into() });
-            }
-        }
+            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius;
+            (azimuth, PerRaceway { inner: load.inner[lane].into(), outer: load.outer[lane].into() })
+        });
     }
 
     /// Records the extremes and means of the current part.
@@ -408,6 +408,7 @@ impl<'a> Observer<'a> {
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
+            passages: self.sites.map(SiteObserver::into_passages).unwrap_or_default(),
             largest_pocket_offset: m.layout.cage.then(|| self.largest_pocket_offset.0.into_iter().fold(0.0, f64::max)),
         }
     }
@@ -419,7 +420,7 @@ impl<'a> Observer<'a> {
         let Some(extremes) = &self.extremes else {
             return PerRaceway { inner: none.clone(), outer: none };
         };
-        let off = self.off_time.as_ref().and_then(OffTime::shares);
+        let off = self.sites.as_ref().and_then(SiteObserver::off_shares);
         let one = |load: &dyn Fn(&PerRaceway<Singles>) -> Singles, slip: &Singles, film: Option<ThinnestFilm>| {
             let max_load: Vec<f64> =
                 (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES].into()).collect();

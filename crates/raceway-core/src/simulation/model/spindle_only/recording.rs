@@ -40,6 +40,7 @@ pub(crate) fn recording(
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
         loads: None,
+        passages: Vec::new(),
         largest_pocket_offset: None,
     }
 }
