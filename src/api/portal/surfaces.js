@@ -15,7 +15,7 @@ const NEW_WAVE = { order: 10, amplitude_nm: 10 };
 const DEFECT_FIELDS = [
   ['azimuth_deg', 'Azimuth', '°'],
   ['length_mm', 'Length', 'mm'],
-  ['width_mm', 'Width', 'mm', 'whole groove'],
+  ['width_mm', 'Width', 'mm', 'whole'],
   ['depth_um', 'Depth', 'µm'],
 ];
 const WAVE_FIELDS = [
@@ -182,7 +182,7 @@ export class SurfacesForm {
       tools(RINGS.map((ring) => adder('defects', ring, NEW_DEFECT, `Add ${ring} defect`))),
       ...RINGS.map((ring) => {
         const rows = listOf(this.job, ring, 'waviness').map((_, i) => this.#wave(ring, i));
-        const amplitude = this.#number(`${SURFACES}/${ring}/random_waviness/amplitude_nm`, 'Random, at order 10', 'nm', {
+        const amplitude = this.#number(`${SURFACES}/${ring}/random_waviness/amplitude_nm`, 'Random waviness', 'nm', {
           fallback: 'none',
           change: (value) => write(this.job, `${SURFACES}/${ring}/random_waviness`, value === undefined ? undefined : { ...read(this.job, `${SURFACES}/${ring}/random_waviness`), amplitude_nm: value }),
         });
