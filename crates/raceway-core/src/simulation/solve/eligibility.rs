@@ -18,6 +18,10 @@ use crate::simulation::model::radially_condensed;
 use crate::simulation::model::terms::{ActiveTerms, Justification, LeftOut, UnsupportedChoice};
 use crate::simulation::model::{periodic, spindle_only};
 
+/// Ball passages in the time that represents a motion [-], and the range of this time [s].
+const REPRESENTATIVE_PASSAGES: f64 = 20.0;
+const REPRESENTATIVE_RANGE_S: [f64; 2] = [0.1, 1.0];
+
 /// Terms whose dynamics every reduced model omits.
 const DYNAMICS: [Term; 3] = [Term::BallRadialDynamics, Term::BallSpinDynamics, Term::CageTilt];
 
@@ -181,6 +185,13 @@ fn is_heavy_crown(scene: &Scene) -> bool {
 pub fn ball_passage(scene: &Scene) -> f64 {
     let orbit = (kinematics::ideal_orbit_ratio(&scene.bearing) * scene.operating_speed()).abs();
     TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
+}
+
+/// Recorded time that represents a motion at constant speed [s]: 20 ball passages, at least 0.1 s and at most 1 s; 0.1 s at rest.
+pub fn representative_time(scene: &Scene) -> f64 {
+    let [least, most] = REPRESENTATIVE_RANGE_S;
+    let time = REPRESENTATIVE_PASSAGES * ball_passage(scene);
+    if time.is_finite() { time.clamp(least, most) } else { least }
 }
 
 /// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.

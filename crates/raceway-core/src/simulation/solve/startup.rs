@@ -187,8 +187,13 @@ impl InitialState {
 
     /// State after the shared phase. Attempts and their repetitions only have the rest of the settling time before them. Long fixed steps are tried
     /// first, because they hardly change undamped vibration. Levels that had not settled after a second differed by at most 0.0015 dB between this
-    /// step and a quarter of it. If the long steps diverge, shorter ones follow, then error control.
-    pub fn after(shared: &StartupPhase, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
+    /// step and a quarter of it. If the long steps diverge, shorter ones follow, then error control. `stepping`: only these steps.
+    pub(crate) fn after(
+        shared: &StartupPhase,
+        stepping: Option<Stepping>,
+        model: &Model,
+        control: &Control<'_>,
+    ) -> Result<Self, SimulationError> {
         let start = Self::at_rest(model)?;
         let &StartupPhase { time, damping } = shared;
         if time == 0.0 {
@@ -198,8 +203,11 @@ impl InitialState {
         let model = damped.as_ref().unwrap_or(model);
         let span = Span { start: 0.0, end: time, checkpoint: time, share: (0.0, 1.0) };
         (control.live)(&Live::of(Phase::Settling));
-        let in_steps = fixed_step::lengths(model).map(fixed_step::by);
-        for stepping in in_steps.chain([STARTUP_TOLERANCE]) {
+        let steppings = match stepping {
+            Some(stepping) => vec![stepping],
+            None => fixed_step::lengths(model).map(fixed_step::by).chain([STARTUP_TOLERANCE]).collect(),
+        };
+        for stepping in steppings {
             match integrate(model, &start.state, &stepping, &span, control, |_| ()) {
                 Ok(settled) => {
                     let is_damped = damping.is_some();
