@@ -10,7 +10,7 @@ from cases import run_cases, verdict  # noqa: E402
 
 def motor(surfaces):
     """A 6205 under 500 N at 1797 r/min."""
-    return {"kind": "simulation", "settle_s": 0.1, "duration_s": 0.1, "solver": {"rung": "planar", "method": "semi_implicit", "fixed_step_us": 5},
+    return {"kind": "simulation", "settle_s": 0.1, "duration_s": 0.1, "solver": {"rung": "planar"},
             "scene": {"bearing": "6205", "operation": {"speed_rpm": 1797, "radial_load_y_n": 500}, "surfaces": surfaces}}
 
 
