@@ -65,18 +65,20 @@ pub fn ball_loads_at(ideal: &Mechanism, scene: &Scene, azimuth: f64) -> PerRacew
     loads.first().copied().unwrap_or_default()
 }
 
-/// Equilibria that cut the distance between two balls [-]: 9 balls resolve an edge of the load zone to 2.5°.
-const TURNS: usize = 8;
+/// Least number of azimuths in a turn at which the load zone is known [-]: its edges are within 2.5°.
+const AZIMUTHS: usize = 72;
 
 /// The load zone on ideal raceways at a speed [rad/s]; `None` without an equilibrium.
 fn load_zone(ideal: &Mechanism, speed: f64) -> Option<LoadZone> {
     let balls = ideal.layout.balls;
-    let mut pressed = vec![false; TURNS * balls];
-    for turn in 0..TURNS {
+    // Each equilibrium has all balls.
+    let turns = AZIMUTHS.div_ceil(balls);
+    let mut pressed = vec![false; turns * balls];
+    for turn in 0..turns {
         let by = TAU * turn as f64 / pressed.len() as f64;
         let turned = Mechanism { start: ideal.start.turned(by), ..ideal.clone() };
         for (ball, load) in equilibrium(&turned, speed).ok()?.loads.iter().enumerate() {
-            pressed[TURNS * ball + turn] = load.inner > 0.0;
+            pressed[turns * ball + turn] = load.inner > 0.0;
         }
     }
     Some(LoadZone::new(pressed))
