@@ -15,6 +15,13 @@ pub(crate) enum Spacing {
 /// of runs whose errors were those of order 1 (`benches/compare/compare.py`).
 const HIGHEST_ORDER: f64 = 1.0;
 
+/// Error of a run over its deviation from one in finer steps, where errors fall with the highest order that is counted [-]. `ratio`: the
+/// steps over the finer ones.
+pub(crate) fn error_of_counted_order(ratio: f64) -> f64 {
+    let finer = ratio.powf(HIGHEST_ORDER);
+    finer / (finer - 1.0)
+}
+
 /// Error of a run over its deviation from a repetition in finer steps [-]. `ratio`: deviation of a run in coarser steps, over that of
 /// the finer one. `coarser`: a. `None`: the deviations do not fall with the steps, and show no order.
 pub(crate) fn error_over_deviation(ratio: f64, coarser: f64, spacing: Spacing) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 use crate::simulation::error::codes::{ErrorBasis, Gap, Ineligible};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
+use crate::simulation::error::convergence::error_of_counted_order;
 use crate::simulation::error::lyapunov::{self, DivergenceEstimate, Pairs};
 use crate::simulation::error::stationarity::{is_stationary, scattering_level, together};
 use crate::simulation::error::thresholds::{
@@ -62,6 +63,7 @@ pub(crate) fn by_richer_model(
     let mut course = None;
     if is_condensed {
         let finer = |settings: &RunSettings| finer_run(scene, settings, &stepped, control);
+        let step_error = step_error_over_deviation(scene, &stepped)?;
         if is_uneven {
             let over = RunSettings { duration: represented, ..settings.clone() };
             let finer = or_failure(control.part((0.5, 0.75), |_| finer(&over)))?.ok().flatten();
@@ -70,12 +72,14 @@ pub(crate) fn by_richer_model(
                 true => of_beginning(&attempt.recording, finer, unseen),
                 false => Deviation::of_recordings(&attempt.recording, finer, unseen),
             };
+            let of = |finer: &Recording| of(finer).times(step_error);
             course = finer.as_ref().map(|finer| of(finer).of_asked(&settings.outputs));
         } else {
             if let Some(by_steps) = attempt.step_deviation {
-                deviation = deviation.larger(&by_steps);
+                deviation = deviation.larger(&by_steps.times(step_error));
             } else if let Some(finer) = or_failure(finer(&short))?.ok().flatten() {
-                let by_steps = Deviation::of_recordings(&own, &finer, 0.0).of_asked(&settings.outputs);
+                let by_steps =
+                    Deviation::of_recordings(&own, &finer, 0.0).times(step_error).of_asked(&settings.outputs);
                 deviation = deviation.larger(&by_steps);
             }
             deviation = along_the_run(deviation, &attempt.recording);
@@ -84,7 +88,8 @@ pub(crate) fn by_richer_model(
             if let Some(finer) = or_failure(control.part((0.5, 0.75), |_| finer(&settled)))?.ok().flatten() {
                 let unseen = (1.0 - settled.duration / settings.duration).max(0.0).sqrt();
                 let signals = twice(&attempt.recording, &finer);
-                deviation.levels = deviation.levels.larger(level_errors(&signals, |twice| twice.error_db(unseen)));
+                deviation.levels =
+                    deviation.levels.larger(level_errors(&signals, |twice| Some(step_error * twice.error_db(unseen)?)));
             }
         }
     }
@@ -227,6 +232,13 @@ fn finer_run(
     let Some(step_ratio) = model.finer_step_ratio(stepped) else { return Ok(None) };
     let finer = RunSettings { fixed_step: Some(step_ratio.step()), ..settings.clone() };
     Ok(Some(radially_condensed::simulate_perturbed(scene, [0.0; 2], &finer, control)?.0))
+}
+
+/// Error of a run of the condensed model by its steps, over its deviation from the finer run [-].
+fn step_error_over_deviation(scene: &Scene, stepped: &RunSettings) -> Result<f64, SimulationError> {
+    let model = RadiallyCondensed::new(scene, &stepped.outputs)?;
+    let finer = model.finer_step_ratio(stepped);
+    Ok(finer.map_or(1.0, |finer| error_of_counted_order(model.step_ratio_for(stepped).step() / finer.step())))
 }
 
 /// Divergence of a trajectory of the condensed model that starts next to a recorded one: over a window [s], and over the whole recorded time where
