@@ -161,6 +161,7 @@ impl Resistance {
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Balls from `first` on at the end of a step: one step of Newton from the predicted state.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn correct(
         &self,
         first: usize,
