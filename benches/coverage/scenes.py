@@ -1,5 +1,7 @@
 """Jobs drawn from a seed over everything that a user may send. The job of an index depends on seed and index alone.
 
+Raceways and balls of the seeds below 100 are ideal; from 100 on, every job has imperfect surfaces, too.
+
 Dimensions follow ISO 15 (D = d + f d^0.9), balls and their number the proportions of catalogues. Loads are shares of an
 estimated dynamic load rating, speeds come from the speed factor n·D_m. Most fields are left out in most jobs, as users do.
 """
@@ -29,6 +31,8 @@ SERIES = (0.62, 0.84, 1.12, 1.48, 1.92)
 # Balls over balls of a full complement: from, to.
 FILLING = {"deep_groove": (0.52, 0.66), "integrated": (0.5, 0.75), "angular_contact": (0.65, 0.88)}
 METRICS = ("vibration", "contacts", "cage")
+# First seed whose jobs have imperfect surfaces.
+FIRST_WITH_SURFACES = 100
 
 
 class Draw(compare.Draw):
@@ -40,7 +44,7 @@ class Draw(compare.Draw):
     def signed(self, value):
         return -value if self.chance(0.5) else value
 
-    def job(self):
+    def job(self, has_surfaces=False):
         bearing, size = self.bearing()
         scene = {"bearing": bearing, "operation": self.operation(size)}
         spindle = self.spindle(size, scene["operation"])
@@ -59,7 +63,55 @@ class Draw(compare.Draw):
             self.profile(job)
         if self.chance(0.4):
             job["outputs"] = {"metrics": self.metrics()}
+        return self.with_surfaces(job, size) if has_surfaces else job
+
+    # ---- surfaces
+
+    def with_surfaces(self, job, size):
+        """One to three imperfections, each of another kind."""
+        surfaces = {}
+        kinds = ["waves", "random", "defect", "sizes", "ball waves", "ball defect", "pockets"]
+        for _ in range(self.one_of((1, 1, 2, 3))):
+            kind = kinds.pop(int(self.share() * len(kinds)))
+            raceway = surfaces.setdefault(self.one_of(("inner", "outer")), {}) if kind in ("waves", "random", "defect") else {}
+            if kind == "waves":
+                orders = {int(self.between_decades(1, 200)) for _ in range(self.one_of((1, 2, 4)))}
+                raceway["waviness"] = [self.wave(order) for order in sorted(orders)]
+            elif kind == "random":
+                raceway["random_waviness"] = {"amplitude_nm": self.between_decades(0.3, 30.0)}
+            elif kind == "defect":
+                raceway["defects"] = [self.raceway_defect(size)]
+            elif kind == "sizes":
+                surfaces["every_ball"] = {"diameter_spread_um": self.between_decades(0.02, 3.0)}
+            elif kind == "ball waves":
+                ball = {"ball": 1, "waviness": [self.wave(self.one_of((2, 3, 4, 6, 8, 12)))]}
+                surfaces.setdefault("balls", [{}])[0].update(ball)
+            elif kind == "ball defect":
+                defect = {"diameter_mm": float(f"{size['ball'] * self.between_decades(0.02, 0.2):.3g}"),
+                          "depth_um": self.between_decades(0.5, 50.0)}
+                surfaces.setdefault("balls", [{}])[0].update({"ball": 1, "defects": [defect]})
+            else:
+                self.pockets(job, size)
+        job["scene"]["surfaces"] = surfaces
         return job
+
+    def wave(self, order):
+        return {"order": order, "amplitude_nm": float(f"{self.between_decades(0.5, 300.0) / math.sqrt(order):.3g}"),
+                "phase_deg": self.between(-180, 180)}
+
+    def raceway_defect(self, size):
+        defect = {"azimuth_deg": self.one_of((0.0, 0.0, self.between(-180, 180))),
+                  "length_mm": float(f"{size['ball'] * self.between_decades(0.02, 0.4):.3g}"),
+                  "depth_um": self.between_decades(0.5, 100.0)}
+        if self.chance(0.3):
+            defect["width_mm"] = float(f"{size['ball'] * self.between_decades(0.03, 0.4):.3g}")
+        if self.chance(0.3):
+            defect["shape"] = "half_sine"
+        return defect
+
+    def pockets(self, job, size):
+        cage = job["scene"]["bearing"].setdefault("cage", {})
+        cage["pocket_spacing_mrad"] = [self.between_decades(0.1, 10.0)] + [0.0] * (size["balls"] - 1)
 
     # ---- bearing
 
@@ -83,7 +135,7 @@ class Draw(compare.Draw):
             }
         # The rating of ISO 281 for common grooves.
         rating = 75.0 * math.pow(balls, 2 / 3) * (math.pow(ball, 1.8) if ball <= 25.4 else 3.647 * math.pow(ball, 1.4))
-        size = {"kind": kind, "bore": bore, "width": width, "ball": ball, "pitch": pitch, "rating": rating}
+        size = {"kind": kind, "bore": bore, "width": width, "ball": ball, "pitch": pitch, "balls": balls, "rating": rating}
         self.fit(bearing, size)
         if self.chance(0.3):
             bearing["inner_groove_curvature"] = self.between(0.506, 0.54)
@@ -244,4 +296,4 @@ class Draw(compare.Draw):
 
 
 def job(seed, index):
-    return Draw(seed, index).job()
+    return Draw(seed, index).job(has_surfaces=seed >= FIRST_WITH_SURFACES)

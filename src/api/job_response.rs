@@ -96,6 +96,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub spectrum_svg: Option<String>,
+    /// Envelope spectra of the accelerations of a succeeded simulation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub envelope_svg: Option<String>,
+    /// Acceleration of the spindle around its largest peak, if a raceway has a defect.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub impact_svg: Option<String>,
     /// Velocity of the spindle over time.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -199,6 +207,38 @@ fn raw(json: String) -> Result<Box<RawValue>, ApiError> {
 struct RequestFields {
     axes: Vec<IgnoredAny>,
     outputs: OutputFields,
+    scene: SceneFields,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct SceneFields {
+    surfaces: SurfaceFields,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct SurfaceFields {
+    inner: RacewayFields,
+    outer: RacewayFields,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct RacewayFields {
+    defects: Vec<DefectFields>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct DefectFields {
+    depth_um: f64,
+}
+
+impl SurfaceFields {
+    fn have_defects(&self) -> bool {
+        self.inner.defects.iter().chain(&self.outer.defects).any(|defect| defect.depth_um > 0.0)
+    }
 }
 
 #[derive(Default, Deserialize)]
@@ -238,6 +278,8 @@ impl Links {
             channels: link("channels", simulated),
             series: link("series", simulated && series),
             spectrum_svg: link("plots/spectrum.svg", simulated && spectra),
+            envelope_svg: link("plots/envelope.svg", simulated && spectra),
+            impact_svg: link("plots/impact.svg", drawn && fields.scene.surfaces.have_defects()),
             velocity_svg: link("plots/velocity.svg", drawn),
             acceleration_svg: link("plots/acceleration.svg", drawn),
             orbit_svg: link("plots/orbit.svg", drawn),

@@ -36,6 +36,10 @@ enum PlotName {
     Orbit,
     #[schema(rename = "loads.svg")]
     Loads,
+    #[schema(rename = "envelope.svg")]
+    Envelope,
+    #[schema(rename = "impact.svg")]
+    Impact,
     #[schema(rename = "work-precision.svg")]
     WorkPrecision,
     #[schema(rename = "optimum.svg")]
@@ -46,7 +50,8 @@ enum PlotName {
     Map,
 }
 
-pub const OF_SIMULATION: &[&str] = &["spectrum.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg"];
+pub const OF_SIMULATION: &[&str] =
+    &["spectrum.svg", "envelope.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg", "impact.svg"];
 pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
 pub const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
@@ -57,9 +62,12 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 ///
 /// Simulation:
 /// - `spectrum.svg`: the kept amplitude spectra, with labelled lines.
+/// - `envelope.svg`: the spectra of the envelopes of the accelerations, with labelled lines.
 /// - `velocity.svg`, `acceleration.svg`: velocity and acceleration of the spindle over time, thinned so that peaks survive.
 /// - `orbit.svg`: the paths of the centres of spindle and cage.
 /// - `loads.svg`: loads of ball 1 over its orbit, if contacts were requested.
+/// - `impact.svg`: the acceleration of the spindle around its largest peak, if a raceway has a defect. Times at which the centre of a ball
+///   is over a defect are shaded.
 ///
 /// At a steady speed these plots show the last 12 ball passages, four turns, or the first three turns of the ball; otherwise the whole
 /// run. Of a run longer than 1 s they show at most its first second.
@@ -100,7 +108,9 @@ pub async fn plot(
 
 async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response, ApiError> {
     match file {
-        "spectrum.svg" => spectra(app, owner, id).await,
+        "spectrum.svg" => spectra(app, owner, id, SpectrumKind::Amplitude).await,
+        "envelope.svg" => spectra(app, owner, id, SpectrumKind::Envelope).await,
+        "impact.svg" => view(app, owner, id, |views| views.impact.as_ref().map(draw::impact)).await,
         "velocity.svg" => series(app, owner, id, "velocity").await,
         "acceleration.svg" => series(app, owner, id, "acceleration").await,
         "orbit.svg" => {
@@ -129,18 +139,20 @@ async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response,
     }
 }
 
-async fn spectra(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
+async fn spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result<Response, ApiError> {
     let metrics = app.jobs.metrics(owner, id).await?;
+    let is_shown = |channel: &String| kind == SpectrumKind::Amplitude || draw::is_of_spindle(channel, "acceleration");
     let mut spectra = Vec::new();
-    for channel in app.jobs.channels(owner, id, Signal::Amplitude).await? {
-        spectra.push(spectrum_of(app, owner, id, SpectrumKind::Amplitude, &channel).await?);
+    for channel in app.jobs.channels(owner, id, Signal::Amplitude).await?.into_iter().filter(is_shown) {
+        spectra.push(spectrum_of(app, owner, id, kind, &channel).await?);
     }
     if spectra.is_empty() {
         return Err(ApiError::UnknownChannel { channel: "spindle.y.acceleration".into(), kept: Vec::new() });
     }
     formatted(move || {
         let metrics: Metrics = read(metrics.as_bytes())?;
-        Ok(svg_response(draw::spectra(&metrics, &spectra)))
+        let draw = if kind == SpectrumKind::Envelope { draw::envelopes } else { draw::spectra };
+        Ok(svg_response(draw(&metrics, &spectra)))
     })
     .await
 }
@@ -157,7 +169,8 @@ async fn view(
         let views = stored.map(|stored| read::<ViewsAnswer>(&stored)).transpose()?;
         let known = match &views {
             None => &[][..],
-            Some(views) if views.loads.is_none() => &OF_SIMULATION[..4],
+            Some(ViewsAnswer { loads: None, .. }) => &OF_SIMULATION[..5],
+            Some(ViewsAnswer { impact: None, .. }) => &OF_SIMULATION[..6],
             Some(_) => OF_SIMULATION,
         };
         views.and_then(draw).map(svg_response).ok_or(ApiError::UnknownPlot { known })

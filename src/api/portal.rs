@@ -34,7 +34,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 24] = files! {
+static FILES: [File; 25] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -55,6 +55,7 @@ static FILES: [File; 24] = files! {
     "scene.js": SCRIPT,
     "slider.js": SCRIPT,
     "study.js": SCRIPT,
+    "surfaces.js": SCRIPT,
     "views.js": SCRIPT,
     "vendor/uPlot.esm.js": SCRIPT,
     "vendor/uPlot.min.css": CSS,

@@ -5,15 +5,16 @@ use serde_json::{Map, Value};
 use super::loads::{LoadCurve, loads_svg};
 use super::map::{MapPanel, map_svg};
 use super::orbit::{OrbitCurve, orbit_svg};
-use super::series::{SeriesCurve, series_svg};
+use super::series::{SeriesCurve, TimeSpan, series_svg};
 use super::spectrum::{SpectrumCurve, spectrum_svg};
 use super::trend::{TrendCurve, TrendPanel, trend_svg};
 use super::varied_axis::{AxisValues, VariedAxis};
 use super::work_precision::{ErrorPanel, FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};
 use crate::contract::answer::headings::{field_heading, metric_heading};
+use crate::contract::answer::metrics::LineAnswer;
 use crate::contract::answer::optimum::{PurposeName, RangeAnswer, RunAnswer};
 use crate::contract::answer::table::AxisAnswer;
-use crate::contract::answer::views::{LoadsView, OrbitView, TraceView};
+use crate::contract::answer::views::{ImpactView, LoadsView, OrbitView, TraceView};
 use crate::contract::answer::work_precision::point::PointAnswer;
 use crate::contract::answer::work_precision::reference::floors;
 use crate::contract::job::input::GoalName;
@@ -22,9 +23,24 @@ use crate::contract::{
 };
 use raceway_core::simulation::result::lines::Line;
 
-/// The spectra of a job, with their labelled lines.
+/// The amplitude spectra of a job, with their labelled lines.
 pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
-    let lines: Vec<Vec<Line>> = spectra.iter().map(|spectrum| lines_of(metrics, &spectrum.channel)).collect();
+    labelled_spectra("Vibration spectrum", metrics, metrics.lines.as_deref(), spectra)
+}
+
+/// The envelope spectra of a job's accelerations, with their labelled lines.
+pub fn envelopes(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
+    labelled_spectra("Envelope spectrum", metrics, metrics.envelope_lines.as_deref(), spectra)
+}
+
+fn labelled_spectra(
+    title: &str,
+    metrics: &Metrics,
+    lines: Option<&[LineAnswer]>,
+    spectra: &[SpectrumAnswer],
+) -> String {
+    let lines: Vec<Vec<Line>> =
+        spectra.iter().map(|spectrum| lines_of(lines.unwrap_or_default(), &spectrum.channel)).collect();
     let curves = spectra.iter().zip(&lines).map(|(spectrum, lines)| SpectrumCurve {
         name: &spectrum.channel,
         unit: &spectrum.unit,
@@ -41,11 +57,11 @@ pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
         frequencies.ball_pass_inner,
         frequencies.ball_spin
     );
-    spectrum_svg("Vibration spectrum", &subtitle, &curves.collect::<Vec<_>>())
+    spectrum_svg(title, &subtitle, &curves.collect::<Vec<_>>())
 }
 
-fn lines_of(metrics: &Metrics, channel: &str) -> Vec<Line> {
-    let lines = metrics.lines.iter().flatten().filter(|line| line.channel == channel);
+fn lines_of(lines: &[LineAnswer], channel: &str) -> Vec<Line> {
+    let lines = lines.iter().filter(|line| line.channel == channel);
     lines
         .map(|line| Line {
             frequency: line.frequency_hz,
@@ -88,7 +104,21 @@ pub fn series(series: &[SeriesAnswer]) -> String {
             value: &series.value[..shown],
         }
     });
-    series_svg("Motion of the spindle", "time since the start of the run", &curves.collect::<Vec<_>>())
+    series_svg("Motion of the spindle", "time since the start of the run", &curves.collect::<Vec<_>>(), &[])
+}
+
+/// The acceleration around its largest peak, with the times at which balls are over defects.
+pub fn impact(impact: &ImpactView) -> String {
+    let series: Vec<SeriesAnswer> = impact.traces.iter().cloned().map(TraceView::series).collect();
+    let curves = series.iter().map(|series| SeriesCurve {
+        name: &series.channel,
+        unit: &series.unit,
+        time_s: &series.time_s,
+        value: &series.value,
+    });
+    let spans: Vec<TimeSpan> = impact.passages_s.iter().map(|&(from_s, to_s)| TimeSpan { from_s, to_s }).collect();
+    let subtitle = "three ball passages around the largest peak; shaded: a ball's centre over a defect";
+    series_svg("Acceleration around an impact", subtitle, &curves.collect::<Vec<_>>(), &spans)
 }
 
 /// Error against run time, one curve for each method.
@@ -304,6 +334,9 @@ pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
     let Simulated { metrics, spectra: kept, series: whole, views } = simulated;
     let amplitudes = kept.iter().filter(|spectrum| spectrum.kind == SpectrumKind::Amplitude);
     let amplitudes: Vec<SpectrumAnswer> = amplitudes.cloned().collect();
+    let enveloped =
+        kept.iter().filter(|one| one.kind == SpectrumKind::Envelope && is_of_spindle(&one.channel, "acceleration"));
+    let enveloped: Vec<SpectrumAnswer> = enveloped.cloned().collect();
     let motion = |quantity| {
         let whole = whole.iter().map(SeriesAnswer::of).filter(|series| is_of_spindle(&series.channel, quantity));
         let thinned = views.traces.iter().filter(|trace| is_of_spindle(&trace.channel, quantity));
@@ -317,6 +350,8 @@ pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
         ("acceleration.svg", motion("acceleration")),
         ("orbit.svg", (!views.orbits.is_empty()).then(|| orbits(&views.orbits))),
         ("loads.svg", views.loads.as_ref().map(loads)),
+        ("envelope.svg", (!enveloped.is_empty()).then(|| envelopes(metrics, &enveloped))),
+        ("impact.svg", views.impact.as_ref().map(impact)),
     ];
     pictures.into_iter().filter_map(|(name, picture)| Some((name, picture?))).collect()
 }

@@ -22,11 +22,20 @@ const BOTTOM: f64 = 48.0;
 /// Time span below which labels are in milliseconds [s].
 const MILLISECONDS_BELOW: f64 = 2.0;
 
+/// A time span that is shaded in every panel.
+pub struct TimeSpan {
+    pub from_s: f64,
+    pub to_s: f64,
+}
+
 /// Stacked signals on one time axis, signals of one unit on one scale; thinned so that peaks are kept.
-pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> String {
+pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>], spans: &[TimeSpan]) -> String {
     let height = TOP + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let names: Vec<&str> = curves.iter().map(|curve| curve.name).collect();
-    let description = format!("{subtitle}. Time series of {}.", names.join(", "));
+    let mut description = format!("{subtitle}. Time series of {}.", names.join(", "));
+    for span in spans {
+        description += &format!(" Shaded from {:.6} s to {:.6} s.", span.from_s, span.to_s);
+    }
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description);
     let times = curves.iter().flat_map(|curve| curve.time_s).copied().filter(|time| time.is_finite());
     let (mut from, mut to) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
@@ -43,6 +52,11 @@ pub fn series_svg(title: &str, subtitle: &str, curves: &[SeriesCurve<'_>]) -> St
         let y = Scale { values: range_of(alike), positions: (bottom, top) };
         drawing.text("name", Anchor::Start, LEFT, top - 8.0, curve.name);
         frame(&mut drawing, &x, &y, curve.unit);
+        for span in spans {
+            let at = |time_s: f64| x.at(time_s * per_second).clamp(x.positions.0, x.positions.1);
+            let (from, to) = (at(span.from_s), at(span.to_s));
+            drawing.rectangle("band", from, top, to - from, PANEL);
+        }
         let points = thin(curve.value, 2 * (WIDTH - LEFT - RIGHT) as usize);
         drawing.curve(
             number,
@@ -91,9 +105,18 @@ mod tests {
                 SeriesCurve { name: "spindle.y.velocity", unit: "mm/s", time_s: &time, value: &y },
                 SeriesCurve { name: "spindle.z.velocity", unit: "mm/s", time_s: &time, value: &z },
             ],
+            &[TimeSpan { from_s: 0.05, to_s: 0.06 }],
         );
         assert_well_formed(&svg);
-        for text in ["mm/s", "time in ms", "spindle.y.velocity", "spindle.z.velocity", "&amp; &lt;more&gt;", ">100<"] {
+        for text in [
+            "mm/s",
+            "time in ms",
+            "spindle.y.velocity",
+            "spindle.z.velocity",
+            "&amp; &lt;more&gt;",
+            ">100<",
+            "0.050000 s",
+        ] {
             assert!(svg.contains(text), "{text}");
         }
         assert!(svg.len() < 60_000, "thinned: {} bytes", svg.len());
@@ -104,8 +127,13 @@ mod tests {
         for (time, value) in
             [(&[][..], &[][..]), (&[1.0], &[2.0]), (&[0.0, 1.0], &[0.0, 0.0]), (&[0.0, 1.0], &[f64::NAN, 5.0])]
         {
-            assert_well_formed(&series_svg("t", "s", &[SeriesCurve { name: "y", unit: "N", time_s: time, value }]));
+            assert_well_formed(&series_svg(
+                "t",
+                "s",
+                &[SeriesCurve { name: "y", unit: "N", time_s: time, value }],
+                &[],
+            ));
         }
-        assert_well_formed(&series_svg("t", "s", &[]));
+        assert_well_formed(&series_svg("t", "s", &[], &[]));
     }
 }

@@ -1,4 +1,4 @@
-//! Amplitude spectra: one panel for each channel, logarithmic amplitude against linear frequency, with labels of the strongest lines.
+//! Spectra: one panel for each channel, logarithmic amplitude against linear frequency, with labels of the strongest lines.
 
 use super::axis::{Scale, decade, ticks};
 use super::svg::{Anchor, Drawing};
@@ -231,7 +231,7 @@ fn shown<'a>(curve: &SpectrumCurve<'a>, highest: f64) -> &'a [f64] {
 
 /// Text description of the plot.
 fn description(subtitle: &str, curves: &[SpectrumCurve<'_>]) -> String {
-    let mut text = format!("{subtitle}. One-sided amplitude spectra, logarithmic amplitude over frequency.");
+    let mut text = format!("{subtitle}. One-sided spectra, logarithmic amplitude over frequency.");
     for curve in curves {
         let lines: Vec<String> = curve
             .lines

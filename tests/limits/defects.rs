@@ -225,6 +225,40 @@ fn defects_have_their_lines() {
     assert!(line(envelope, f.ball_pass_outer) > 100.0 * beside, "{} {beside}", line(envelope, f.ball_pass_outer));
 }
 
+/// Balls pass 1 mm at the speed of their contact, with the distance of two balls between them. In the load zone they leave the raceways for
+/// some of the time; on ideal raceways nothing of this is stated.
+#[test]
+fn flights_and_passages_of_a_spall_are_recorded() {
+    let contacts = |surfaces: Value, rung: ModelLevel| {
+        let basis = settings(Method::SemiImplicit, 1e-5, [0.05, 0.1]);
+        let outputs = Outputs { contacts: true, ..basis.outputs.clone() };
+        let settings = RunSettings { fixed_step: Some(5e-6), rung: Some(rung), outputs, ..basis };
+        let result = simulate(&scene(&motor(surfaces)), &settings, &patient()).unwrap();
+        (
+            result.summary.contacts.unwrap().raceway.map(|raceway| raceway.off),
+            result.plot_data.impact,
+            result.summary.frequencies,
+        )
+    };
+    let (off, impact, f) = contacts(on_outer(defect(0.0, 1.0, 10.0)), ModelLevel::Planar);
+    let (inner, outer) = (off.inner.unwrap(), off.outer.unwrap());
+    assert!(inner.mean > 1e-3 && inner.mean < 0.05 && inner.largest >= inner.mean, "{inner:?}");
+    assert!(outer.mean < inner.mean, "{outer:?} {inner:?}");
+    let impact = impact.unwrap();
+    assert!((3..=4).contains(&impact.passages.len()), "{:?}", impact.passages);
+    for passage in &impact.passages {
+        assert_near("time over the spall", passage.exit - passage.entry, 1e-3 / 1.7607, 0.02);
+    }
+    for pair in impact.passages.windows(2) {
+        assert_near("time between balls", pair[1].entry - pair[0].entry, 1.0 / f.ball_pass_outer, 0.02);
+    }
+    let (ideal, none, _) = contacts(json!({}), ModelLevel::Planar);
+    assert!(ideal.inner.is_none() && ideal.outer.is_none() && none.is_none());
+    let waves = json!({ "outer": { "waviness": [{ "order": 10, "amplitude_nm": 10 }] } });
+    let (off, impact, _) = contacts(waves, ModelLevel::Planar);
+    assert!(off.inner.is_some_and(|off| off.largest == 0.0) && impact.is_none(), "{off:?}");
+}
+
 /// Error control ends steps at the entry: a short defect between long steps is felt alike by every method.
 #[test]
 fn no_method_steps_over_a_defect() {

@@ -338,6 +338,81 @@ async function study(page) {
   ok('a study of one parameter shows its trend');
 }
 
+/** Defects placed by pointer, keys and fields, a quality of the raceways, and a comparison with ideal ones. */
+async function surfaces(page) {
+  await page.selectOption('#preset', 'article-integrated');
+  await page.locator('#surfaces > summary').click();
+  const svg = page.locator('.placing svg');
+  await svg.waitFor();
+  await svg.evaluate((element) => element.scrollIntoView({ block: 'start' }));
+  const middle = async () => {
+    const { x, y, width, height } = await svg.boundingBox();
+    return { x: x + width / 2, y: y + height / 2, half: width / 2 };
+  };
+  const { x, y, half } = await middle();
+  await page.mouse.click(x + half * 0.85 * Math.sin(Math.PI / 6), y + half * 0.85 * Math.cos(Math.PI / 6));
+  const azimuth = field(page, '/scene/surfaces/outer/defects/0/azimuth_deg');
+  await azimuth.waitFor();
+  assert.equal(await azimuth.inputValue(), '30');
+  const handle = page.getByRole('slider', { name: 'Azimuth of defect 1, outer raceway' });
+  await handle.press('PageDown');
+  await handle.press('ArrowLeft');
+  assert.equal(await azimuth.inputValue(), '19');
+  const knob = await page.locator('.placing .knob').boundingBox();
+  const now = await middle();
+  await page.mouse.move(knob.x + knob.width / 2, knob.y + knob.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(now.x, now.y + now.half * 0.85, { steps: 4 });
+  await page.mouse.up();
+  assert.equal(await azimuth.inputValue(), '0');
+  ok('a defect is placed by a click, moved by keys and by its handle');
+
+  const length = field(page, '/scene/surfaces/outer/defects/0/length_mm');
+  await length.fill('900');
+  await page.locator('#surfaces > .error', { hasText: 'no less than' }).waitFor();
+  await length.fill('0.3');
+  await field(page, '/scene/surfaces/outer/defects/0/depth_um').fill('3');
+  const facts = page.locator('.item .pairs').first();
+  await facts.filter({ hasText: 'In the load zone' }).filter({ hasText: 'Entry to last impact' }).waitFor();
+  await page.waitForFunction(() => document.querySelector('#surfaces > .error').textContent === '');
+  ok('it has its facts beside it, and its errors');
+
+  await page.getByRole('button', { name: 'Add inner defect' }).click();
+  await page.getByRole('button', { name: 'Remove defect 1, inner raceway' }).click();
+  await page.locator('#surfaces-preset').selectOption('precision');
+  await page.getByText('Waviness, outer raceway').click();
+  await page.getByRole('button', { name: 'Add outer wave' }).click();
+  await field(page, '/scene/surfaces/outer/waviness/0/order').fill('8');
+  assert.deepEqual(JSON.parse(await page.locator('#json').inputValue()).scene.surfaces, {
+    outer: { defects: [{ azimuth_deg: 0, length_mm: 0.3, depth_um: 3 }], waviness: [{ order: 8, amplitude_nm: 10 }] },
+    preset: 'precision',
+  });
+  await picture(page, 'surfaces');
+  await accessible(page, 'surfaces');
+  ok('quality and waves stand in the request, removed defects do not');
+
+  const job = JSON.parse(await page.locator('#json').inputValue());
+  await page.locator('#request summary').first().click();
+  await page.locator('#json').fill(JSON.stringify({ ...job, settle_s: 0.02, duration_s: 0.03, solver: { rung: 'planar' } }));
+  await page.waitForFunction(() => document.querySelector('#f-duration_s').value === '0.03');
+  await page.locator('#request summary').first().click();
+  await page.waitForTimeout(600);
+  await page.getByRole('button', { name: 'Run with and without', exact: true }).click();
+  await page.locator('#panel-compare .line-label').first().waitFor({ timeout: 300000 });
+  await page.locator('#panel-compare').getByLabel('Spectrum of the').selectOption('envelope');
+  await page.locator('#panel-compare figcaption', { hasText: 'Envelope spectra' }).waitFor();
+  await picture(page, 'compare-surfaces');
+  ok('with and without surfaces lie over each other');
+  await tab(page, 'result');
+  await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 300000 });
+  await page.locator('input[name=view][value=impact]').check({ force: true });
+  await page.locator('#panel-result .stage img.picture').waitFor();
+  await picture(page, 'impact');
+  ok('the signal around an impact is shown');
+  await noLeftovers(page);
+}
+
 /** Links that say no more than a run, or not even that. `hash`: that of a page with a run of 50 000 r/min. */
 async function links(browser, url, hash) {
   const { page, context, faults } = await open(browser, {}, (status, path) => status === 404 && path.startsWith('/v1/jobs/'));
@@ -381,6 +456,12 @@ async function everywhere(browser, url, from) {
       await page.goto(url + from);
       await page.locator('.drawing svg').waitFor();
       await page.locator('#panel-result .line-label').first().waitFor();
+      await page.locator('#surfaces > summary').click();
+      await page.getByRole('button', { name: 'Add outer defect' }).click();
+      await page.locator('.item .pairs', { hasText: 'In the load zone' }).waitFor();
+      await picture(page, `surfaces-${name}-${colorScheme}`);
+      await accessible(page, `surfaces, ${name} px, ${colorScheme}`);
+      await page.getByRole('button', { name: 'Remove defect 1, outer raceway' }).click();
       for (const panel of TABS) {
         await tab(page, panel);
         if (panel === 'study') {
@@ -474,6 +555,14 @@ try {
   await troubles(page, context);
   assert.deepEqual(faults, [], 'nothing in the console, no other host');
   await context.close();
+  {
+    const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === '/v1/scenes/resolve');
+    await page.goto(service.url);
+    await page.locator('.drawing svg').waitFor();
+    await surfaces(page);
+    assert.deepEqual(faults, []);
+    await context.close();
+  }
   await links(browser, service.url, plain.hash);
   await everywhere(browser, service.url, `/${plain.hash}`);
   await apiDocument(browser, service.url);

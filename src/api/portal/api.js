@@ -145,7 +145,7 @@ export async function recentJobs(path = '/v1/jobs?limit=100', wanted = 25) {
   return { jobs: found, next };
 }
 
-export const spectrum = (id, channel, maxFrequency, signal) => get(spectrumPath(id, channel, maxFrequency), { signal });
+export const spectrum = (id, channel, maxFrequency, signal, kind) => get(spectrumPath(id, channel, maxFrequency, kind), { signal });
 
 export function spectrumPath(id, channel, maxFrequency, kind = 'amplitude') {
   const limit = maxFrequency ? `&max_frequency_hz=${maxFrequency}` : '';

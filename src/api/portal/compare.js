@@ -1,15 +1,17 @@
 // Comparison of two finished runs.
 
 import * as api from './api.js';
-import { h, labelled, options, select, small, table, tools } from './dom.js';
+import { button, h, labelled, options, select, small, table, tools } from './dom.js';
 import { csv, save } from './download.js';
 import { channelName, LEVEL_UNIT, level, measured, moment, title } from './format.js';
-import { usualLimit } from './metrics.js';
+import { linesOf, usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
+import { write } from './request.js';
 
 export class Compare {
-  constructor(host, { say }) {
-    this.say = say;
+  /** `request()` returns the request of the form, `resolved()` its resolved form. */
+  constructor(host, { say, request, resolved }) {
+    Object.assign(this, { say, request, resolved });
     const run = (text, name) => {
       const element = select([], () => this.#draw());
       return [h('label', { class: `stacked key ${name}` }, text, element), element];
@@ -21,6 +23,14 @@ export class Compare {
       ['spindle.y.acceleration', 'spindle.z.acceleration'].map((name) => [name, channelName(name)]),
       () => this.#draw(),
     );
+    this.kind = select(
+      [
+        ['amplitude', 'signal'],
+        ['envelope', 'envelope'],
+      ],
+      () => this.#draw(),
+    );
+    this.both = button('Run with and without surfaces', () => this.withAndWithout(), { class: 'small' });
     this.place = h('div', {});
     this.plot = new SpectrumPlot(this.place);
     this.caption = h('figcaption', {});
@@ -30,7 +40,7 @@ export class Compare {
     host.replaceChildren(
       h('h2', {}, 'Compare'),
       h('div', { class: 'pair' }, labelA, labelB),
-      tools(labelled('Channel', this.channel)),
+      tools(labelled('Channel', this.channel), labelled('Spectrum of the', this.kind), this.both),
       this.note,
       this.figure,
       this.metrics,
@@ -46,6 +56,48 @@ export class Compare {
     if (place === a && b.value) a.value = b.value;
     (place === a && !b.value ? a : b).value = job.id;
     await this.#draw();
+  }
+
+  /** Runs the scene of the form with and without its surfaces, over the same time, and compares both. */
+  async withAndWithout() {
+    const [request, resolved] = [this.request(), this.resolved()];
+    if (!request.scene?.surfaces || !resolved) {
+      this.say('The scene of the form has no surfaces.');
+      return;
+    }
+    const same = { ...request, kind: 'simulation', settle_s: resolved.settle_s, duration_s: resolved.duration_s };
+    this.added = true;
+    this.both.disabled = true;
+    this.metrics.replaceChildren();
+    this.figure.hidden = true;
+    this.note.hidden = false;
+    try {
+      const jobs = await Promise.all([same, write(same, '/scene/surfaces', undefined)].map(api.submit));
+      const shares = [0, 0];
+      const ended = await Promise.all(
+        jobs.map((job, i) =>
+          api.follow(job, {
+            onProgress: ({ progress }) => {
+              shares[i] = progress;
+              this.note.textContent = `Running with surfaces ${Math.round(shares[0] * 100)} %, without ${Math.round(shares[1] * 100)} %.`;
+            },
+          }),
+        ),
+      );
+      const failed = ended.find(({ status }) => status !== 'succeeded');
+      if (failed) throw new Error(failed.error?.detail ?? `A run was ${failed.status}.`);
+      await this.refresh();
+      ended.forEach(({ id }, i) => {
+        this.chosen[i].value = id;
+      });
+      this.note.textContent = 'Select two finished runs.';
+      await this.#draw();
+    } catch (error) {
+      this.note.textContent = error.message;
+      this.say(error.message);
+    } finally {
+      this.both.disabled = false;
+    }
   }
 
   /** Selects the last two runs if none is selected. */
@@ -86,10 +138,11 @@ export class Compare {
     const channel = this.channel.value;
     try {
       const metrics = await Promise.all(ids.map((id) => api.get(`/v1/jobs/${id}/metrics`, { signal })));
-      const limit = Math.max(...metrics.map(usualLimit));
-      const spectra = await Promise.all(ids.map((id) => api.spectrum(id, channel, limit, signal)));
+      const kind = this.kind.value;
+      const limit = Math.max(...metrics.map((one) => usualLimit(one, kind)));
+      const spectra = await Promise.all(ids.map((id) => api.spectrum(id, channel, limit, signal, kind)));
       const names = this.chosen.map((chooser) => chooser.selectedOptions[0].textContent);
-      const lines = metrics[0].lines.filter((line) => line.channel === channel);
+      const lines = linesOf(metrics[0], kind).filter((line) => line.channel === channel);
       this.plot.draw({
         spectra: spectra.map((spectrum, i) => ({ name: names[i], ...spectrum })),
         lines,
@@ -98,7 +151,7 @@ export class Compare {
       });
       const levels = metrics.map((m) => m.channels?.[channel]?.level_db);
       const [first, second] = names.map((name, i) => `${name}: ${level(levels[i])} dB`);
-      const text = `Spectra of ${channelName(channel)}. First (with line labels): ${first}. Second: ${second}.`;
+      const text = `${kind === 'envelope' ? 'Envelope spectra' : 'Spectra'} of ${channelName(channel)}. First (with line labels): ${first}. Second: ${second}.`;
       this.plot.describe(text);
       this.caption.textContent = text;
       this.#differences(metrics);
@@ -136,6 +189,11 @@ function pairs(a, b) {
     if (!other) continue;
     if (channel.level_db !== undefined) rows.push([`${channelName(name)}, level`, LEVEL_UNIT, channel.level_db, other.level_db]);
     rows.push([`${channelName(name)}, rms`, channel.unit, channel.rms, other.rms]);
+    for (const [word, field] of [
+      ['crest factor', 'crest_factor'],
+      ['kurtosis', 'kurtosis'],
+    ])
+      if (channel.level_db !== undefined && channel[field] !== undefined && other[field] !== undefined) rows.push([`${channelName(name)}, ${word}`, '', channel[field], other[field]]);
   }
   const at = (metrics, path) => path.split('.').reduce((value, step) => value?.[step], metrics);
   for (const [name, unit, path] of [

@@ -100,8 +100,9 @@ export function cost(resolved) {
   return `About ${range} on one core. Model: ${resolved.rungs.map(words).join(', else ')}.`;
 }
 
-/** The bearing in axial view, to scale, with the share of the load of each ball. Ball 1 is at +Y, which points down like gravity. */
-function drawing(bearing, loads = []) {
+/** Shapes of the bearing in axial view, to scale, with the share of the load of each ball, and its radii [mm]. Ball 1 is at +Y, which
+ *  points down like gravity. */
+export function bearingShapes(bearing, loads = []) {
   const {
     outer_diameter_mm: outer,
     inner_diameter_mm: bore,
@@ -123,21 +124,19 @@ function drawing(bearing, loads = []) {
       share > 0 && s('circle', { ...at, r: (ball / 2) * Math.sqrt(share) * 0.82, class: 'load' }),
     ];
   });
+  const shapes = [circle(half, 'ring'), circle(rim, 'gap'), circle(raceway, 'ring'), circle(bore / 2, 'bore'), balls];
+  return { shapes, half, rim, raceway, bore, largest };
+}
+
+function drawing(bearing, loads) {
+  const { shapes, half, bore, largest } = bearingShapes(bearing, loads);
   const text =
-    `${count} balls of ${number(ball)} mm between ${number(bore)} and ${number(outer)} mm` +
+    `${bearing.ball_count} balls of ${number(bearing.ball_diameter_mm)} mm between ${number(bore)} and ${number(2 * half)} mm` +
     (largest ? `; largest ball load ${number(largest)} N` : '');
   return h(
     'figure',
     { class: 'drawing' },
-    s(
-      'svg',
-      { viewBox: `${-half * 1.03} ${-half * 1.03} ${half * 2.06} ${half * 2.06}`, role: 'img', 'aria-label': text },
-      circle(half, 'ring'),
-      circle(rim, 'gap'),
-      circle(raceway, 'ring'),
-      circle(bore / 2, 'bore'),
-      balls,
-    ),
+    s('svg', { viewBox: `${-half * 1.03} ${-half * 1.03} ${half * 2.06} ${half * 2.06}`, role: 'img', 'aria-label': text }, shapes),
     largest > 0 && h('figcaption', {}, 'Filled area: share of the load'),
   );
 }

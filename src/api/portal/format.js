@@ -72,10 +72,19 @@ function changes(fields) {
   return changed.length > 2 ? [...changed.slice(0, 2), `${changed.length - 2} more`] : changed;
 }
 
+/** Defects and quality of the raceways in few words. */
+function surfacesTitle({ preset, inner = {}, outer = {} }) {
+  const defects = [
+    ['outer', outer],
+    ['inner', inner],
+  ].flatMap(([ring, { defects: all = [] }]) => (all.length === 1 ? `${ring} defect ${quantity(all[0].length_mm, 'mm')}` : all.length ? `${all.length} ${ring} defects` : []));
+  return [...defects, preset].filter(Boolean).join(', ') || 'wavy raceways';
+}
+
 /** A one-line title of a request. */
 export function title(request) {
   const { scene = {}, axes } = request ?? {};
-  const { bearing, operation = {}, spindle = {}, lubricant } = scene;
+  const { bearing, operation = {}, spindle = {}, lubricant, surfaces } = scene;
   const { preset, ...changed } = typeof bearing === 'string' ? { preset: bearing } : (bearing ?? {});
   const name = preset ? [preset, ...changes(changed)].join(', ') : 'own bearing';
   const speed = typeof operation.speed_rpm === 'number' ? quantity(operation.speed_rpm, 'r/min') : 'varying speed';
@@ -85,9 +94,16 @@ export function title(request) {
     operation.axial_load_n && `${quantity(operation.axial_load_n, 'N')} axial`,
     spindle.balance_grade && `G\u00a0${number(spindle.balance_grade)}`,
     lubricant && (lubricant.kind ?? lubricant),
+    surfaces && surfacesTitle(surfaces),
   ];
   const varied = (axes ?? []).map(
     (axis) => `over ${words((axis.path ?? axis.quantity ?? '').split('/').pop().replace(UNIT, ''))}`,
   );
   return [name, speed, ...loads.filter(Boolean), ...varied].join(' · ');
+}
+
+/** A typed number with a point, without spaces between groups of digits. A comma that may separate thousands stays. */
+export function plainNumber(text) {
+  const plain = text.trim().replaceAll(/(?<=\d)\s(?=\d{3})/g, '').replace('−', '-');
+  return /^\d{1,3}(,\d{3})+$/.test(plain) ? plain : plain.replace(',', '.');
 }

@@ -73,7 +73,7 @@ async function start() {
   api.features.events = Boolean(document_.paths['/v1/jobs/{id}/events']);
   api.features.plots = JSON.stringify(document_.paths['/v1/jobs/{id}/plots/{file}'] ?? '');
 
-  const form = new SceneForm(at('fields'), { document: document_, presets, onChange: change });
+  const form = new SceneForm(at('fields'), { document: document_, presets, onChange: change, compare: compareSurfaces });
   const result = new Result(at('panel-result'), { say, onEnd: ended, rerun: (request) => run(request), edit });
   const panels = { document: document_, request: () => state.job, resolved: () => state.resolved, say };
   const slider = new Slider(at('panel-slider'), {
@@ -91,7 +91,7 @@ async function start() {
       remember();
     },
   });
-  const compare = new Compare(at('panel-compare'), { say });
+  const compare = new Compare(at('panel-compare'), { say, request: () => state.job, resolved: () => state.resolved });
   const jobs = new JobList(at('panel-jobs'), {
     say,
     open,
@@ -175,6 +175,17 @@ async function start() {
     } finally {
       at('run').disabled = false;
     }
+  }
+
+  /** Runs the scene of the form with and without its surfaces and compares both. */
+  async function compareSurfaces() {
+    if (form.unreadable) {
+      form.focusFirstError();
+      return;
+    }
+    choose('compare');
+    at('panel-compare').scrollIntoView({ block: 'nearest' });
+    await compare.withAndWithout();
   }
 
   /** Puts the scene of a run into the form. */

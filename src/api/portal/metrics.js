@@ -7,9 +7,12 @@ import { messageList } from './messages.js';
 
 const MOTIONS = { decaying: 'regular motion', diverging: 'chaotic motion' };
 
+/** Lines of the amplitude or the envelope spectra. */
+export const linesOf = (metrics, kind) => (kind === 'envelope' ? metrics.envelope_lines : metrics.lines) ?? [];
+
 /** Upper frequency limit of a spectrum plot: above the strong lines, rounded up [Hz]. */
-export function usualLimit(metrics) {
-  const lines = metrics.lines ?? [];
+export function usualLimit(metrics, kind = 'amplitude') {
+  const lines = linesOf(metrics, kind);
   // Only amplitudes of the same unit can be compared.
   const motion = (line) => line.channel.split('.').at(-1);
   const strongest = (line) => Math.max(...lines.filter((other) => motion(other) === motion(line)).map((other) => other.amplitude));
@@ -79,6 +82,7 @@ export function tables(metrics) {
             [`Largest pressure, ${side}`, contacts[side].max_pressure_mpa, 'MPa'],
             [`Largest slip, ${side}`, contacts[side].max_slip_m_s, 'm/s'],
             [`Smallest film thickness, ${side}`, contacts[side].min_film_thickness_um, 'µm'],
+            contacts[side].mean_off_share !== undefined && [`Off the raceway, ${side}`, contacts[side].mean_off_share * 100, '%'],
           ]
         : [],
     ),

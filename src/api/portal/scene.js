@@ -3,8 +3,9 @@
 
 import { h, options } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
-import { number, words } from './format.js';
+import { number, plainNumber, words } from './format.js';
 import { read, write } from './request.js';
+import { SurfacesForm } from './surfaces.js';
 
 /** Required fields of a bearing without preset; they start with the values of the current bearing. */
 const REQUIRED = [
@@ -22,12 +23,15 @@ export class SceneForm {
   #errors = new Map();
   #unreadable = new Map();
 
-  /** `onChange(job)` gets every changed request. */
-  constructor(host, { document, presets, onChange }) {
+  /** `onChange(job)` gets every changed request; `compare()` runs the scene with and without its surfaces. */
+  constructor(host, { document, presets, onChange, compare }) {
     this.document = document;
     this.presets = presets;
     this.onChange = onChange;
-    host.replaceChildren(this.#bearing(), ...GROUPS.map((group) => this.#group(group)));
+    // A request from outside and one from the surfaces show alike.
+    this.surfaces = new SurfacesForm({ document, presets, onChange: (job) => this.#update(job), compare });
+    const groups = GROUPS.map((group) => this.#group(group));
+    host.replaceChildren(this.#bearing(), ...groups.slice(0, -1), this.surfaces.element, ...groups.slice(-1));
     host.addEventListener('focusin', (event) => this.#explain(event.target));
   }
 
@@ -48,6 +52,7 @@ export class SceneForm {
       }
       input.closest('.field').classList.toggle('edited', value !== undefined);
     }
+    this.surfaces.show(job);
   }
 
   /** Shows the defaults of empty fields. */
@@ -60,13 +65,14 @@ export class SceneForm {
       if (input.tagName === 'SELECT') input.options[0].textContent = value ? `${words(value)} (default)` : 'automatic';
       else input.placeholder = typeof value === 'number' ? number(value, 5).replaceAll('\u202f', '') : '';
     }
+    this.surfaces.showDefaults(resolved);
   }
 
   /** Shows errors at their fields and returns those without a field. */
   showErrors(errors) {
     for (const pointer of this.#errors.keys()) this.#error(pointer, '');
     const elsewhere = [];
-    for (const { pointer, detail } of errors) {
+    for (const { pointer, detail } of this.surfaces.showErrors(errors)) {
       const known = [...this.#errors.keys()];
       const near =
         pointer === '/scene/bearing'
@@ -81,7 +87,7 @@ export class SceneForm {
 
   /** Whether a field contains text that is not a number. */
   get unreadable() {
-    return this.#unreadable.size > 0;
+    return this.#unreadable.size > 0 || this.surfaces.unreadable;
   }
 
   /** Focuses the field of the first error. */
@@ -222,9 +228,3 @@ export function symbol(text) {
 
 /** Whether the text of a field already has the value: `500.` and `500` are equal. */
 const same = (text, value) => (text.trim() === '' ? value === undefined : Number(plainNumber(text)) === value);
-
-/** A typed number with a point, without spaces between groups of digits. A comma that may separate thousands stays. */
-function plainNumber(text) {
-  const plain = text.trim().replaceAll(/(?<=\d)\s(?=\d{3})/g, '').replace('−', '-');
-  return /^\d{1,3}(,\d{3})+$/.test(plain) ? plain : plain.replace(',', '.');
-}

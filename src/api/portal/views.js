@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { button, h, labelled, labelledRadio, lineName, more, select, small, table, tools } from './dom.js';
 import { command, csv, curl, flat, keep, save } from './download.js';
 import { channelName, number, quantity } from './format.js';
-import { usualLimit } from './metrics.js';
+import { linesOf, usualLimit } from './metrics.js';
 import { ballBars, CurvePlot, orbit, picture, SpectrumPlot } from './plots.js';
 
 /** Series for orbit and time plots, which the service keeps only on request. */
@@ -23,6 +23,7 @@ const VIEWS = [
   ['velocity', 'Velocity'],
   ['acceleration', 'Acceleration'],
   ['loads', 'Ball loads'],
+  ['impact', 'Impact'],
 ];
 const POINTS = 4000;
 
@@ -32,12 +33,13 @@ export class Views {
     Object.assign(this, { say, rerun });
     this.view = 'spectrum';
     this.channel = 'spindle.y.acceleration';
-    this.kind = 'amplitude';
     this.stage = h('div', { class: 'stage' });
     this.extras = h('div', { class: 'extras' });
     // One plot for all runs, because a plot has listeners on the page.
-    this.spectrumHost = h('div', {});
-    this.spectrumPlot = new SpectrumPlot(this.spectrumHost);
+    this.spectra = ['amplitude', 'envelope'].map((kind) => {
+      const [host, caption] = [h('div', {}), h('figcaption', {})];
+      return { kind, host, caption, plot: new SpectrumPlot(host), figure: h('figure', {}, host, caption) };
+    });
     this.curveHost = h('div', {});
     this.curvePlot = new CurvePlot(this.curveHost);
     this.element = h('div', {}, this.#choice(), this.stage, this.extras);
@@ -48,7 +50,15 @@ export class Views {
     Object.assign(this, { job, metrics });
     this.channels = job.request.outputs?.spectra ?? ['spindle.y.acceleration', 'spindle.z.acceleration'];
     if (!this.channels.includes(this.channel)) [this.channel] = this.channels;
-    this.limit = this.chosenLimit ?? usualLimit(metrics);
+    // Faults are found by the envelope: it stands beside the spectrum.
+    this.kind = this.chosenKind ?? (job.request.scene?.surfaces ? 'both' : 'amplitude');
+    const hasImpact = Boolean(job.links.impact_svg);
+    const impact = this.element.querySelector('input[name=view][value=impact]');
+    impact.closest('label').hidden = !hasImpact;
+    if (this.view === 'impact' && !hasImpact) {
+      this.view = 'spectrum';
+      this.element.querySelector('input[name=view][value=spectrum]').checked = true;
+    }
     this.stage.replaceChildren();
     await this.#draw();
   }
@@ -73,6 +83,7 @@ export class Views {
       this.extras.replaceChildren();
       if (view === 'spectrum') await this.#spectrum(signal);
       else if (view === 'loads') await this.#loads(signal);
+      else if (view === 'impact') await this.#picture('impact', 'The acceleration of the spindle around its largest peak.', signal);
       else await this.#motion(view, signal);
     } catch (error) {
       if (!signal.aborted) this.stage.replaceChildren(h('p', { class: 'error' }, error.message));
@@ -81,6 +92,8 @@ export class Views {
 
   async #spectrum(signal) {
     const { id } = this.job;
+    const shown = this.spectra.filter(({ kind }) => this.kind === 'both' || this.kind === kind);
+    const limitOf = (kind) => this.chosenLimit ?? usualLimit(this.metrics, kind);
     const channel = select(
       this.channels.map((name) => [name, channelName(name)]),
       (value) => {
@@ -95,10 +108,9 @@ export class Views {
       max: 20,
       step: 'any',
       class: 'short',
-      value: this.limit / 1000,
+      value: limitOf(shown[0].kind) / 1000,
       onchange: () => {
         this.chosenLimit = Math.min(Math.max(limit.valueAsNumber || 5, 0.1), 50) * 1000;
-        this.limit = this.chosenLimit;
         this.#draw();
       },
     });
@@ -106,31 +118,44 @@ export class Views {
       [
         ['amplitude', 'signal'],
         ['envelope', 'envelope'],
+        ['both', 'signal and envelope'],
       ],
       (value) => {
+        this.chosenKind = value;
         this.kind = value;
         this.#draw();
       },
     );
     kind.value = this.kind;
-    const caption = h('figcaption', {});
-    const figure = h(
-      'figure',
-      {},
+    const path = (kind, limit) => api.spectrumPath(id, this.channel, limit, kind);
+    const found = await Promise.all(shown.map(({ kind }) => api.get(path(kind, limitOf(kind)), { signal })));
+    this.stage.replaceChildren(
       tools(labelled('Channel', channel), labelled('Spectrum of the', kind), labelled('Up to', limit, ' kHz')),
-      this.spectrumHost,
-      caption,
+      h('div', { class: shown.length > 1 ? 'pair' : undefined }, shown.map(({ figure }) => figure)),
     );
-    const path = (limit) => api.spectrumPath(id, this.channel, limit, this.kind);
-    const spectrum = await api.get(path(this.limit), { signal });
-    const all = this.kind === 'envelope' ? this.metrics.envelope_lines : this.metrics.lines;
-    const lines = all?.filter((line) => line.channel === this.channel) ?? [];
-    this.stage.replaceChildren(figure);
-    const plot = this.spectrumPlot;
-    plot.draw({ spectra: [{ name: this.channel, ...spectrum }], lines, unit: spectrum.unit, limit: this.limit });
+    const tables = shown.map((one, i) => this.#spectrumOf(one, found[i], limitOf(one.kind)));
+    const files = shown.flatMap(({ kind }) => {
+      const [name, file] = kind === 'envelope' ? ['Envelope', 'envelope'] : ['Spectrum', 'spectrum'];
+      return [
+        [`${name} CSV`, () => keep(`${file}-${id}.csv`, path(kind), 'text/csv')],
+        [`${name} JSON`, () => keep(`${file}-${id}.json`, path(kind), 'application/json')],
+        [`${name} SVG`, () => keep(`${file}-${id}.svg`, `/v1/jobs/${id}/plots/${file}.svg`, 'image/svg+xml')],
+      ];
+    });
+    this.extras.replaceChildren(
+      ...tables,
+      this.#downloads(files, { path: path(shown[0].kind, limitOf(shown[0].kind)), accept: 'text/csv' }),
+    );
+  }
+
+  /** Draws one spectrum and returns the table of its lines. */
+  #spectrumOf({ kind, plot, caption }, spectrum, limit) {
+    const lines = linesOf(this.metrics, kind).filter((line) => line.channel === this.channel);
+    plot.draw({ spectra: [{ name: this.channel, ...spectrum }], lines, unit: spectrum.unit, limit });
     const strongest = lines[0];
+    const name = kind === 'envelope' ? 'Envelope' : 'Amplitude';
     const text =
-      `${this.kind === 'envelope' ? 'Envelope' : 'Amplitude'} spectrum of ${channelName(this.channel)} up to ${quantity(this.limit / 1000, 'kHz')}, resolution ${quantity(spectrum.resolution_hz, 'Hz', 3)}.` +
+      `${name} spectrum of ${channelName(this.channel)} up to ${quantity(limit / 1000, 'kHz')}, resolution ${quantity(spectrum.resolution_hz, 'Hz', 3)}.` +
       (strongest
         ? ` Strongest line: ${strongest.label || 'unnamed'} at ${quantity(strongest.frequency_hz, 'Hz')}, ${quantity(strongest.amplitude, spectrum.unit, 3)}.`
         : '');
@@ -142,23 +167,13 @@ export class Views {
       number(line.amplitude, 3),
       number(line.deviation_hz, 2),
     ]);
-    this.extras.replaceChildren(
-      more(
-        `Lines as a table (${lines.length})`,
-        table(
-          `Lines of ${channelName(this.channel)}`,
-          ['Line', 'Frequency, Hz', `Amplitude, ${spectrum.unit}`, 'Deviation, Hz'],
-          rows,
-          { hidden: true },
-        ),
-      ),
-      this.#downloads(
-        [
-          ['Spectrum CSV', () => keep(`spectrum-${id}.csv`, path(), 'text/csv')],
-          ['Spectrum JSON', () => keep(`spectrum-${id}.json`, path(), 'application/json')],
-          ['Plot SVG', () => keep(`spectrum-${id}.svg`, `/v1/jobs/${id}/plots/spectrum.svg`, 'image/svg+xml')],
-        ],
-        { path: path(this.limit), accept: 'text/csv' },
+    return more(
+      kind === 'envelope' ? `Lines of the envelope as a table (${lines.length})` : `Lines as a table (${lines.length})`,
+      table(
+        `Lines of the ${kind} spectrum of ${channelName(this.channel)}`,
+        ['Line', 'Frequency, Hz', `Amplitude, ${spectrum.unit}`, 'Deviation, Hz'],
+        rows,
+        { hidden: true },
       ),
     );
   }

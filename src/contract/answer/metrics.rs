@@ -169,6 +169,16 @@ pub struct RacewayAnswer {
     pub min_film_thickness_um: Option<f64>,
     /// Largest load of each ball [N], ball 1 first.
     pub max_load_per_ball_n: Vec<f64>,
+    /// Share of their time in the load zone that balls do not touch this raceway [-], mean of all balls. The load zone: azimuths at which
+    /// the inner raceway presses a ball in the static equilibrium on ideal raceways. Absent if all raceways are ideal circles, without a
+    /// load zone, and on model levels without balls. Its error is not estimated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 1)]
+    pub mean_off_share: Option<f64>,
+    /// The same of the ball with the largest share [-].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 1)]
+    pub max_off_share: Option<f64>,
 }
 
 /// Contacts of the balls with the cage's pockets.
@@ -331,6 +341,8 @@ impl From<&RacewayContactMetrics> for RacewayAnswer {
             max_slip_m_s: m.max_slip,
             min_film_thickness_um: m.min_film_thickness,
             max_load_per_ball_n: m.max_load_per_ball.clone(),
+            mean_off_share: m.off.map(|off| off.mean),
+            max_off_share: m.off.map(|off| off.largest),
         }
     }
 }

@@ -16,6 +16,8 @@ pub struct ViewsAnswer {
     pub traces: Vec<TraceView>,
     pub orbits: Vec<OrbitView>,
     pub loads: Option<LoadsView>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub impact: Option<ImpactView>,
 }
 
 /// A signal of the spindle, thinned.
@@ -54,6 +56,15 @@ pub struct OrbitView {
     pub z: Vec<f64>,
 }
 
+/// The spindle's acceleration around its largest peak, with the passages over defects.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImpactView {
+    pub traces: Vec<TraceView>,
+    pub peak_s: f64,
+    /// Times of entry and exit.
+    pub passages_s: Vec<(f64, f64)>,
+}
+
 /// Raceway loads of ball 1 against its azimuth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LoadsView {
@@ -71,6 +82,11 @@ impl ViewsAnswer {
                 azimuth_deg: loads.azimuth.iter().map(|azimuth| rounded(azimuth.to_degrees(), DIGITS)).collect(),
                 inner_n: all(&loads.inner),
                 outer_n: all(&loads.outer),
+            }),
+            impact: views.impact.as_ref().map(|impact| ImpactView {
+                traces: impact.traces.iter().map(trace).collect(),
+                peak_s: impact.peak,
+                passages_s: impact.passages.iter().map(|passage| (passage.entry, passage.exit)).collect(),
             }),
         }
     }

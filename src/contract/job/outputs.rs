@@ -10,7 +10,7 @@ use crate::contract::json::numbers;
 use raceway_core::physics::spindle::AxialHold;
 use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
 use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
-use raceway_core::simulation::input::settings::{ENVELOPE_BAND, Outputs};
+use raceway_core::simulation::input::settings::{ENVELOPE_BAND, Outputs, longest_window};
 
 /// Requested results. Results that are not requested are neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -69,6 +69,7 @@ impl OutputsInput {
             spectra: channels(defaults, "/outputs/spectra", &spectra, scene),
             series: channels(defaults, "/outputs/series", &series, scene),
             envelope_band: envelope_band(defaults, &mut self.envelope_band_hz),
+            longest_window: scene.filter(|_| !spectra.is_empty()).map_or(outputs.longest_window, longest_window),
             ..outputs
         }
     }

@@ -28,4 +28,5 @@ names! {
     "Name of a bearing of `GET /v1/presets`." BearingName: presets::bearing_names();
     "Name of a material of `GET /v1/presets`." MaterialName: presets::MATERIALS.map(|material| material.name);
     "Name of a lubricant of `GET /v1/presets`." LubricantName: presets::LUBRICANTS.map(|lubricant| lubricant.name);
+    "Name of a quality of raceways of `GET /v1/presets`." SurfaceName: presets::SURFACES.map(|surface| surface.name);
 }

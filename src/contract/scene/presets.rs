@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use raceway_core::physics::presets::{self, BearingPreset, LubricantPreset, MaterialPreset};
+use raceway_core::physics::presets::{self, BearingPreset, LubricantPreset, MaterialPreset, SurfacePreset};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -11,6 +11,7 @@ use super::bearing_base::BearingBase;
 use super::cage::FilmName;
 use super::lubricant::{LubricantInput, TractionInput, TractionLawName};
 use super::material::MaterialInput;
+use super::surfaces::RandomWavinessInput;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::given_fields::given_fields;
 use crate::contract::json::shapes::NameOr;
@@ -24,6 +25,8 @@ pub struct PresetsAnswer {
     pub materials: BTreeMap<String, MaterialPresetAnswer>,
     /// Lubricants by name.
     pub lubricants: BTreeMap<String, LubricantPresetAnswer>,
+    /// Surfaces of both raceways by name.
+    pub surfaces: BTreeMap<String, SurfacePresetAnswer>,
 }
 
 /// A bearing and its defaults.
@@ -67,6 +70,16 @@ pub struct LubricantPresetAnswer {
     pub lubricant: serde_json::Value,
 }
 
+/// Surfaces of both raceways.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct SurfacePresetAnswer {
+    /// Description, with the source of the values.
+    pub description: &'static str,
+    /// Random waviness of each raceway that gives none itself.
+    #[schema(value_type = RandomWavinessInput)]
+    pub random_waviness: serde_json::Value,
+}
+
 /// The response of `GET /v1/presets`.
 pub fn presets_answer() -> PresetsAnswer {
     let bearings = presets::bearing_names().filter_map(presets::bearing);
@@ -76,6 +89,7 @@ pub fn presets_answer() -> PresetsAnswer {
         bearings: bearings.map(|preset| (preset.name.to_owned(), bearing_answer(preset))).collect(),
         materials: materials.map(|preset| (preset.name.to_owned(), material_answer(preset))).collect(),
         lubricants: lubricants.map(|preset| (preset.name.to_owned(), lubricant_answer(preset))).collect(),
+        surfaces: presets::SURFACES.iter().map(|preset| (preset.name.to_owned(), surface_answer(preset))).collect(),
     }
 }
 
@@ -96,6 +110,12 @@ fn bearing_answer(preset: BearingPreset) -> BearingPresetAnswer {
 fn material_answer(preset: &MaterialPreset) -> MaterialPresetAnswer {
     let MaterialInput { elastic_modulus_gpa, poisson_ratio, density_kg_m3 } = preset.material.into();
     MaterialPresetAnswer { description: preset.description, elastic_modulus_gpa, poisson_ratio, density_kg_m3 }
+}
+
+fn surface_answer(preset: &SurfacePreset) -> SurfacePresetAnswer {
+    let mut random = RandomWavinessInput::of(preset);
+    random.fill("", &mut Defaults::default());
+    SurfacePresetAnswer { description: preset.description, random_waviness: given_fields(&random) }
 }
 
 fn lubricant_answer(preset: &LubricantPreset) -> LubricantPresetAnswer {

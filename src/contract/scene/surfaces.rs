@@ -4,14 +4,17 @@ use serde::de::{Error as _, IgnoredAny};
 use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
+use super::preset_names::SurfaceName;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::out_of_range;
+use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::{
     ObjectOnly, optional_object, required_whole_number, whole_number, wide_whole_number,
 };
 use crate::contract::json::units::{DEG, MM, NM, NUMBER, UM, Unit};
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::limits::limits_of;
+use raceway_core::physics::presets::{self, SurfacePreset};
 use raceway_core::physics::surface::ball::{BallDefect, BallSurface, EveryBall, GivenBall};
 use raceway_core::physics::surface::defects::{Defect, Shape};
 use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, SurfaceParameters, Wave};
@@ -27,6 +30,12 @@ const SEED: u64 = 1;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfacesInput {
+    /// Quality of both raceways. It gives `random_waviness` of the raceways that have none: an amplitude of 1 nm (`precision`), 5 nm
+    /// (`standard`) or 25 nm (`worn`) at order 10, falling as 1/order. These amplitudes are assumptions; no standard fixes them. Default:
+    /// no waviness but the given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<SurfaceName>, example = "standard")]
+    pub preset: Option<String>,
     /// Raceway of the inner ring. Azimuths turn with the ring and are those about the bearing at t = 0.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -236,6 +245,7 @@ pub(super) fn are_within_limits(
 impl SurfacesInput {
     /// The surfaces of `physics`. An item with an error is left out.
     pub fn resolve(&mut self, defaults: &mut Defaults) -> SurfaceParameters {
+        self.fill_from_preset(defaults);
         let mut of = |name: &str, surface: &mut Option<RacewaySurfaceInput>| {
             surface.as_mut().map(|surface| surface.resolve(name, defaults)).unwrap_or_default()
         };
@@ -246,14 +256,59 @@ impl SurfacesInput {
         let seed = defaults.fill("/scene/surfaces/seed", &mut self.seed, SEED);
         SurfaceParameters { raceway, balls, every_ball, seed }
     }
+
+    /// Gives raceways without random waviness that of the preset.
+    fn fill_from_preset(&mut self, defaults: &mut Defaults) {
+        let Some(name) = &self.preset else { return };
+        let Some(preset) = presets::surface(name) else {
+            let known = listed(presets::SURFACES.map(|preset| preset.name));
+            defaults.refuse("/scene/surfaces/preset", format!("`{name}` is no preset; known: {known}"));
+            return;
+        };
+        for (ring, surface) in [("inner", &mut self.inner), ("outer", &mut self.outer)] {
+            if defaults.is_unread(&format!("/scene/surfaces/{ring}")) {
+                continue;
+            }
+            let random = &mut surface.get_or_insert_default().random_waviness;
+            if random.is_none() {
+                defaults.filled.push(format!("/scene/surfaces/{ring}/random_waviness/amplitude_nm"));
+                *random = Some(RandomWavinessInput::of(preset));
+            }
+        }
+    }
+}
+
+impl RandomWavinessInput {
+    /// That of a preset, all other fields left to their defaults.
+    pub(super) fn of(preset: &SurfacePreset) -> Self {
+        let amplitude_nm = NM.to_user(preset.amplitude);
+        Self { amplitude_nm, at_order: None, exponent: None, from_order: None, to_order: None }
+    }
+
+    /// The waviness of `physics`, after its defaults have been filled in; `at`: its pointer.
+    pub(super) fn fill(&mut self, at: &str, defaults: &mut Defaults) -> RandomWaviness {
+        RandomWaviness {
+            amplitude: NM.to_si(self.amplitude_nm),
+            at_order: defaults.fill(format!("{at}/at_order"), &mut self.at_order, AT_ORDER),
+            exponent: defaults.fill(format!("{at}/exponent"), &mut self.exponent, EXPONENT),
+            from_order: defaults.fill(format!("{at}/from_order"), &mut self.from_order, FROM_ORDER),
+            to_order: self.to_order,
+        }
+    }
 }
 
 impl RacewaySurfaceInput {
     fn resolve(&mut self, name: &str, defaults: &mut Defaults) -> RacewaySurface {
         let waviness = resolve_waves(&mut self.waviness, name, name, defaults);
-        let random_waviness = self.random_waviness.as_mut().map(|random| random.resolve(name, defaults));
+        let random_waviness =
+            self.random_waviness.as_mut().map(|random| random.fill(&random_waviness_of(name), defaults));
         RacewaySurface { waviness, random_waviness, defects: self.resolve_defects(name, defaults) }
     }
+}
+
+/// Pointer to the random waviness of a surface.
+fn random_waviness_of(surface: &str) -> String {
+    format!("/scene/surfaces/{surface}/random_waviness")
 }
 
 /// Waves given one by one, without those that have an error. `at`: the pointer under `/scene/surfaces` of what has them, `name`: its name
@@ -273,20 +328,6 @@ fn resolve_waves(waves: &mut Option<Vec<WaveInput>>, at: &str, name: &str, defau
         }
     }
     resolved
-}
-
-impl RandomWavinessInput {
-    /// `at`: the pointer under `/scene/surfaces` of what has these waves.
-    fn resolve(&mut self, at: &str, defaults: &mut Defaults) -> RandomWaviness {
-        let at = format!("/scene/surfaces/{at}/random_waviness");
-        RandomWaviness {
-            amplitude: NM.to_si(self.amplitude_nm),
-            at_order: defaults.fill(format!("{at}/at_order"), &mut self.at_order, AT_ORDER),
-            exponent: defaults.fill(format!("{at}/exponent"), &mut self.exponent, EXPONENT),
-            from_order: defaults.fill(format!("{at}/from_order"), &mut self.from_order, FROM_ORDER),
-            to_order: self.to_order,
-        }
-    }
 }
 
 /// Refuses waves and defects of balls, which are not built.
@@ -314,7 +355,11 @@ impl BallSurfaceInput {
         let surface = BallSurface {
             diameter_deviation: UM.to_si(deviation),
             waviness: resolve_waves(&mut self.waviness, &of, "balls", defaults),
-            random_waviness: self.random_waviness.iter_mut().map(|random| random.resolve(&of, defaults)).collect(),
+            random_waviness: self
+                .random_waviness
+                .iter_mut()
+                .map(|random| random.fill(&random_waviness_of(&of), defaults))
+                .collect(),
             defects: self.resolve_defects(&at, defaults),
         };
         is_valid.then_some(GivenBall { ball: self.ball, surface })
@@ -350,7 +395,8 @@ impl EveryBallInput {
         let at = "/scene/surfaces/every_ball";
         refuse_unbuilt(at, &[("random_waviness", self.random_waviness.is_some())], defaults);
         let spread = defaults.fill(format!("{at}/diameter_spread_um"), &mut self.diameter_spread_um, 0.0);
-        let random_waviness = self.random_waviness.as_mut().map(|random| random.resolve("every_ball", defaults));
+        let random_waviness =
+            self.random_waviness.as_mut().map(|random| random.fill(&random_waviness_of("every_ball"), defaults));
         EveryBall { random_waviness, diameter_spread: UM.to_si(spread) }
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::requests::scene;
-use crate::contract::{Refusal, parse_job, parse_scene_request, resolve_answer};
+use crate::contract::{Job, Refusal, parse_job, parse_scene_request, resolve_answer};
 
 fn wavy(surfaces: Value) -> String {
     scene(&format!(r#""surfaces":{surfaces}"#))
@@ -99,6 +99,7 @@ fn wrong_surfaces_are_refused() {
         (every_ball(json!({ "diameter_spread_um": 30 })), "every_ball/diameter_spread_um", "30 µm: at most"),
         (balls(json!({ "ball": 3, "waviness": [] })), "balls/1/waviness", "not supported yet"),
         (balls(json!({ "ball": 3, "defects": [] })), "balls/1/defects", "not supported yet"),
+        (json!({ "preset": "new" }), "preset", "known: `precision`, `standard`, `worn`"),
     ] {
         let body = wavy(surfaces);
         let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("{body}") };
@@ -128,6 +129,63 @@ fn surfaces_have_defaults() {
     let again = json!({ "kind": "simulation", "scene": complete });
     assert_eq!(parse_job(again.to_string().as_bytes()).unwrap().scene_json(), complete);
     assert_eq!(parse_job(scene(r#""gravity_m_s2":9.81"#).as_bytes()).unwrap().scene_json().get("surfaces"), None);
+}
+
+/// A preset gives random waviness to the raceways that have none, and names it among the defaults. Given fields win.
+#[test]
+fn a_preset_fills_random_waviness() {
+    let resolve = |surfaces: Value| {
+        let request = json!({ "scene": {
+            "bearing": "6205",
+            "operation": { "speed_rpm": 1797, "radial_load_y_n": 500 },
+            "surfaces": surfaces
+        } });
+        serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap())).unwrap()
+    };
+    for (preset, amplitude) in [("precision", 1.0), ("standard", 5.0), ("worn", 25.0)] {
+        let answer = resolve(json!({ "preset": preset }));
+        let waviness = json!({ "amplitude_nm": amplitude, "at_order": 10, "exponent": 1.0, "from_order": 2 });
+        let surface = json!({ "random_waviness": waviness });
+        assert_eq!(
+            answer["scene"]["surfaces"],
+            json!({ "preset": preset, "inner": surface, "outer": surface, "seed": 1 })
+        );
+        let defaults = answer["defaults"].as_array().unwrap();
+        for ring in ["inner", "outer"] {
+            let pointer = format!("/scene/surfaces/{ring}/random_waviness/amplitude_nm");
+            assert!(defaults.contains(&json!(pointer)), "{defaults:?}");
+            assert!(answer["derived"]["surfaces"][ring]["kept"].as_u64().unwrap() > 100, "{answer}");
+        }
+    }
+    let own = json!({ "random_waviness": { "amplitude_nm": 3 }, "defects": [{ "length_mm": 1, "depth_um": 10 }] });
+    let mixed = resolve(json!({ "preset": "worn", "outer": own }));
+    let surfaces = &mixed["scene"]["surfaces"];
+    assert_eq!(surfaces["outer"]["random_waviness"]["amplitude_nm"], 3.0);
+    assert_eq!(surfaces["inner"]["random_waviness"]["amplitude_nm"], 25.0);
+    assert_eq!(mixed["derived"]["surfaces"]["outer"]["defects"].as_array().unwrap().len(), 1);
+    assert!(!mixed["defaults"].to_string().contains("outer/random_waviness/amplitude_nm"));
+    assert_eq!(resolve(surfaces.clone())["scene"]["surfaces"], *surfaces, "the resolved scene is the same work");
+}
+
+/// Spectra that do not separate lines an orbit frequency apart have a warning; the windows of others hold eight turns of the cage.
+#[test]
+fn short_spectra_of_waves_have_a_warning() {
+    let of = |duration: f64, amplitude: f64| {
+        let request = json!({ "kind": "simulation", "duration_s": duration, "scene": {
+            "bearing": "6205",
+            "operation": { "speed_rpm": 600, "radial_load_y_n": 500 },
+            "surfaces": { "outer": { "waviness": [{ "order": 10, "amplitude_nm": amplitude }] } }
+        } });
+        let job = parse_job(request.to_string().as_bytes()).unwrap();
+        let warnings = serde_json::to_value(resolve_answer(&job)).unwrap()["warnings"].clone();
+        let of_time = warnings.as_array().unwrap().iter().filter(|one| one["pointer"] == "/duration_s").count();
+        let Job::Simulation(simulation) = job else { panic!("no simulation") };
+        (simulation.settings.outputs.longest_window, of_time)
+    };
+    let (window, warnings) = of(2.0, 10.0);
+    assert!((window * 3.982 - 8.0).abs() < 0.05 && warnings == 0, "{window} s, {warnings}");
+    assert_eq!(of(0.5, 10.0).1, 1);
+    assert_eq!(of(0.5, 0.0), (1.0, 0));
 }
 
 /// Ten turns of the cage are recorded, and only the dynamics are tried.

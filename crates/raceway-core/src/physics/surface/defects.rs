@@ -174,6 +174,11 @@ impl Recess {
         }
     }
 
+    /// The places of the edges on the ring.
+    pub(crate) fn edges(&self) -> DefectEdges {
+        DefectEdges { azimuth: self.defect.azimuth, half_angle: 0.5 * self.defect.length / self.contact.radius }
+    }
+
     /// Distance from the middle within which the path differs from the ideal one [m].
     pub(super) fn half_length(&self) -> f64 {
         0.5 * self.defect.length + FELT * self.contact.half_width
@@ -351,6 +356,22 @@ fn minimum_of_fourth_power(one: f64, other: f64) -> (f64, f64, f64) {
     let ratio = if one < other { one / other } else { other / one };
     let sum = 1.0 + ratio * ratio * ratio * ratio;
     (smaller(one, other) / sum.sqrt().sqrt(), slope(one / other), slope(other / one))
+}
+
+/// Places of the edges of a defect on its ring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct DefectEdges {
+    /// Azimuth of its middle on the ring [rad].
+    azimuth: f64,
+    /// Angle from the middle to an edge [rad].
+    pub half_angle: f64,
+}
+
+impl DefectEdges {
+    /// Angle of an azimuth on the ring from the middle, −π … π [rad].
+    pub(crate) fn angle_from_middle(&self, azimuth: f64) -> f64 {
+        wrapped(azimuth - self.azimuth)
+    }
 }
 
 /// A part of a ring within which steps are limited.

@@ -1,8 +1,10 @@
 //! Settings of a run and its requested outputs.
 
 use crate::numerics::ode::Method;
+use crate::physics::kinematics::ideal_frequencies;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
 
 /// Default of the frequency band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts excite resonances.
 pub const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
@@ -19,6 +21,24 @@ pub struct Outputs {
     pub series: Vec<Channel>,
     /// Frequency band whose envelope is analysed [Hz].
     pub envelope_band: (f64, f64),
+    /// Longest window of spectra and statistics [s].
+    pub longest_window: f64,
+}
+
+/// Longest window [s]: a run of the longest default duration on ideal raceways is one.
+const LONGEST_WINDOW: f64 = 1.0;
+/// Turns of the cage in a window of spectra of raceways that are no circles [-], whose lines differ by the speed of the cage, and its
+/// longest time [s]: the thirteen channels of a run then take 85 MB.
+const SURFACE_TURNS: f64 = 8.0;
+const LONGEST_SURFACE_WINDOW: f64 = 8.0;
+
+/// Longest window of spectra of a scene [s].
+pub fn longest_window(scene: &Scene) -> f64 {
+    let cage = ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
+    match scene.surfaces.are_ideal() || cage <= 0.0 {
+        true => LONGEST_WINDOW,
+        false => (SURFACE_TURNS / cage).clamp(LONGEST_WINDOW, LONGEST_SURFACE_WINDOW),
+    }
 }
 
 impl Outputs {
@@ -31,6 +51,7 @@ impl Outputs {
             spectra: Vec::new(),
             series: Vec::new(),
             envelope_band: ENVELOPE_BAND,
+            longest_window: LONGEST_WINDOW,
         }
     }
 

@@ -20,6 +20,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::model::fading_damping::FadingDamping;
 use crate::simulation::model::failure::Departure;
 use crate::simulation::model::state::Layout;
+use crate::simulation::model::surface_sites::SurfaceSites;
 use crate::simulation::model::terms::ActiveTerms;
 
 /// Steps in a period of the fastest wave of a raceway [-].
@@ -52,6 +53,8 @@ pub struct Mechanism {
     pub(crate) defect_step: f64,
     /// Defects of the raceways, as they limit steps.
     pub(crate) defects: PerRaceway<Vec<DefectReach>>,
+    /// Places that balls are observed at; `None` on ideal circles.
+    pub(crate) sites: Option<SurfaceSites>,
     pub pocket: Pocket,
     /// Contact of neighbouring balls; `None`: a cage keeps them apart.
     pub neighbours: Option<NeighbourContact>,
@@ -188,6 +191,7 @@ impl Mechanism {
             wave_frequency: 0.0,
             defect_step: f64::INFINITY,
             defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
+            sites: None,
             pocket,
             neighbours: (!needs.cage)
                 .then(|| NeighbourContact::new(bearing, &scene.cage, &scene.lubricant, needs.pocket)),

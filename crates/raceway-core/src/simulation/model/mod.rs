@@ -5,6 +5,8 @@ pub mod terms;
 
 pub mod state;
 
+pub(crate) mod surface_sites;
+
 pub mod mechanism;
 
 pub(crate) mod fading_damping;

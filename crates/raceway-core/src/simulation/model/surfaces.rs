@@ -13,6 +13,7 @@ use crate::physics::surface::waviness::{
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::equilibrium::equilibrium;
 use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::surface_sites::{LoadZone, SurfaceSites};
 
 /// Waves and defects of one raceway, and the contact that averages them.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +65,25 @@ pub fn ball_loads_at(ideal: &Mechanism, scene: &Scene, azimuth: f64) -> PerRacew
     loads.first().copied().unwrap_or_default()
 }
 
+/// Least number of azimuths in a turn at which the load zone is known [-]: its edges are within 2.5°.
+const AZIMUTHS: usize = 72;
+
+/// The load zone on ideal raceways at a speed [rad/s]; `None` without an equilibrium.
+fn load_zone(ideal: &Mechanism, speed: f64) -> Option<LoadZone> {
+    let balls = ideal.layout.balls;
+    // Each equilibrium has all balls.
+    let turns = AZIMUTHS.div_ceil(balls);
+    let mut pressed = vec![false; turns * balls];
+    for turn in 0..turns {
+        let by = TAU * turn as f64 / pressed.len() as f64;
+        let turned = Mechanism { start: ideal.start.turned(by), ..ideal.clone() };
+        for (ball, load) in equilibrium(&turned, speed).ok()?.loads.iter().enumerate() {
+            pressed[turns * ball + turn] = load.inner > 0.0;
+        }
+    }
+    Some(LoadZone::new(pressed))
+}
+
 /// The contact that passes the defects of a raceway under a load [N], `turns` times a second round the ring.
 fn passing_contact(raceway: &RacewayContact, load: f64, turns: f64) -> PassingContact {
     let (hertz, radius) = (raceway.hertz(), raceway.bottom_radius());
@@ -87,7 +107,10 @@ pub(crate) fn with_surfaces(ideal: Mechanism, scene: &Scene) -> Mechanism {
     let wave_frequency = surfaces.inner.waves.highest_frequency().max(surfaces.outer.waves.highest_frequency());
     let recesses = surfaces.inner.defects.iter().chain(&surfaces.outer.defects);
     let defect_step = recesses.map(Recess::longest_step).fold(f64::INFINITY, f64::min);
+    let edges = |of: &AveragedSurface| of.defects.iter().map(Recess::edges).collect();
+    let defects = PerRaceway { inner: edges(&surfaces.inner), outer: edges(&surfaces.outer) };
+    let sites = Some(SurfaceSites { load_zone: load_zone(&ideal, scene.operating_speed()), defects });
     let PerRaceway { inner: inner_contact, outer: outer_contact } = ideal.raceway;
     let raceway = PerRaceway { inner: inner_contact.with_surface(inner), outer: outer_contact.with_surface(outer) };
-    Mechanism { raceway, wave_frequency, defect_step, defects: reaches, ..ideal }
+    Mechanism { raceway, wave_frequency, defect_step, defects: reaches, sites, ..ideal }
 }

@@ -14,6 +14,10 @@ pub(crate) mod load_course;
 
 pub(crate) mod loaded_rolling;
 
+pub mod off_raceway;
+
+pub mod defect_passages;
+
 pub mod record;
 
 pub mod plot_data;

@@ -1,8 +1,11 @@
 //! Data of the plots of a run: thinned motions, orbits, and the loads of one ball. Plots show at most the first second of the recorded
 //! time.
 
+use std::ops::Range;
+
 use crate::numerics::statistics::thin;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
+use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::load_course::values_in_turns;
 use crate::simulation::recording::record::Recording;
@@ -13,6 +16,8 @@ use crate::simulation::recording::windows::Signal;
 const MAX_TRACE_VALUES: usize = 500;
 /// Ball passages that a trace of a steady run shows.
 const TRACE_PASSAGES: f64 = 12.0;
+/// Ball passages around an impact.
+const IMPACT_PASSAGES: f64 = 3.0;
 /// Turns that an orbit shows: of the shaft for the spindle, of the cage for the cage.
 const ORBIT_TURNS: f64 = 4.0;
 /// Largest number of points of an orbit.
@@ -42,12 +47,24 @@ pub struct Orbit {
     pub z: Vec<f64>,
 }
 
+/// The spindle's acceleration around its largest peak.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Impact {
+    pub traces: Vec<Trace>,
+    /// Time of the peak [s].
+    pub peak: f64,
+    /// Passages of balls over defects within these traces.
+    pub passages: Vec<Passage>,
+}
+
 /// Data of all plots of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PlotData {
     pub traces: Vec<Trace>,
     pub orbits: Vec<Orbit>,
     pub loads: Option<BallLoadCourse>,
+    /// Of scenes with defects.
+    pub impact: Option<Impact>,
 }
 
 impl PlotData {
@@ -69,20 +86,47 @@ impl PlotData {
             ),
         ];
         let loads = recording.loads.clone().filter(|loads| !loads.azimuth.is_empty());
-        Self { traces: traces.collect(), orbits: orbits.into_iter().flatten().collect(), loads }
+        Self { traces: traces.collect(), orbits: orbits.into_iter().flatten().collect(), loads, impact: None }
+    }
+}
+
+impl Impact {
+    /// The largest peak of the accelerations in y and z over the first window; `None` without a signal.
+    pub fn of(recording: &Recording, balls: usize) -> Option<Self> {
+        let of = |axis| recording.of(Channel::Spindle(axis, Motion::Acceleration));
+        let signals: Vec<&Signal> = [Axis::Y, Axis::Z].into_iter().filter_map(of).collect();
+        let largest = |signal: &&Signal| {
+            let values = signal.first_window().iter().map(|value| value.abs()).enumerate();
+            values.max_by(|(_, one), (_, other)| one.total_cmp(other))
+        };
+        let (place, _) = signals.iter().filter_map(largest).max_by(|(_, one), (_, other)| one.total_cmp(other))?;
+        let all = signals.first()?.first_window().len();
+        let shown = values_in_turns(all, IMPACT_PASSAGES, Some(recording.cage_speed * balls as f64));
+        let first = place.saturating_sub(shown / 2).min(all - shown);
+        let trace = |signal: &&Signal| part(recording.start, signal, first..first + shown);
+        let time = |place: usize| recording.start + place as f64 / RATE;
+        let is_shown = |passage: &&Passage| passage.exit > time(first) && passage.entry < time(first + shown);
+        let passages = recording.passages.iter().filter(is_shown).copied().collect();
+        Some(Self { traces: signals.iter().map(trace).collect(), peak: time(place), passages })
     }
 }
 
 /// Trace of a signal; `passage`: angular rate of ball passages [rad/s].
 fn trace(start: f64, signal: &Signal, passage: Option<f64>) -> Trace {
-    let (scale, values) = (signal.channel.scale(), signal.first_window());
+    let values = signal.first_window();
     let first = values.len() - values_in_turns(values.len(), TRACE_PASSAGES, passage);
-    let kept = thin(&values[first..], MAX_TRACE_VALUES);
+    part(start, signal, first..values.len())
+}
+
+/// Part of the first window of a signal, thinned; `start`: time of its first value [s].
+fn part(start: f64, signal: &Signal, part: Range<usize>) -> Trace {
+    let (scale, values) = (signal.channel.scale(), &signal.first_window()[part.clone()]);
+    let kept = thin(values, MAX_TRACE_VALUES);
     Trace {
         channel: signal.channel,
-        start: start + first as f64 / RATE,
+        start: start + part.start as f64 / RATE,
         step: 1.0 / RATE,
-        value: kept.iter().map(|place| scale * values[first + place]).collect(),
+        value: kept.iter().map(|place| scale * values[*place]).collect(),
         place: kept,
     }
 }

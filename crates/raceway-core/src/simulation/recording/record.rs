@@ -4,7 +4,9 @@ use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
+use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::{Signal, Whirl};
 
@@ -19,6 +21,8 @@ pub struct ContactExtremes {
     pub max_slip: f64,
     /// Smallest minimum film thickness under load [m]; `None` where it was not requested.
     pub least_film: Option<f64>,
+    /// Share of the time that loaded balls do not touch the raceway; `None` on ideal raceways, and where it was not observed.
+    pub off: Option<OffShare>,
 }
 
 /// Scalar results of a motion, for the comparison with a repeated run [SI].
@@ -79,6 +83,8 @@ pub struct Recording {
     pub parts: Vec<Quantities>,
     /// Loads of the first ball over its azimuth, where contacts are requested.
     pub loads: Option<BallLoadCourse>,
+    /// Passages of balls over defects in the first window, in the order of their ends.
+    pub passages: Vec<Passage>,
     /// Largest distance of a ball from the middle of its pocket, along the orbit [m]; `None` where it was not observed.
     pub largest_pocket_offset: Option<f64>,
 }

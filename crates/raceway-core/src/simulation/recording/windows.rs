@@ -20,9 +20,6 @@ use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 
-/// Longest window [s]: a run of the longest default duration is one.
-const LONGEST: f64 = 1.0;
-
 /// Values at either end of one window of several that the statistics in the band of levels omit. The band limit takes a window as
 /// periodic and overshoots where the ends do not meet. Further in, the overshoot is below a hundredth of the step between the ends.
 const EDGE: usize = 128;
@@ -43,9 +40,9 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Windows of `values` recorded values.
-    pub fn of(values: usize) -> Self {
-        let count = values.div_ceil(kept_values(LONGEST)).max(1);
+    /// Windows of `values` recorded values, each of at most `longest` [s].
+    pub fn of(values: usize, longest: f64) -> Self {
+        let count = values.div_ceil(kept_values(longest)).max(1);
         let grain = if count > 1 { GRAIN } else { 1 };
         Self { count, length: values / count / grain * grain }
     }
@@ -128,7 +125,7 @@ pub struct Signal {
 
 impl Signal {
     fn new(channel: Channel, outputs: &Outputs, values: usize) -> Self {
-        let windows = Windows::of(values);
+        let windows = Windows::of(values, outputs.longest_window);
         let asked_for_spectra = outputs.spectra.contains(&channel);
         let has_windows = windows.count == 1 || asked_for_spectra || is_evaluated(channel);
         Self {
@@ -298,7 +295,7 @@ pub(crate) struct Recorder {
 impl Recorder {
     pub(crate) fn new(channels: impl IntoIterator<Item = Channel>, outputs: &Outputs, values: usize) -> Self {
         Self {
-            windows: Windows::of(values),
+            windows: Windows::of(values, outputs.longest_window),
             values,
             taken: 0,
             done: 0,
@@ -428,12 +425,13 @@ mod tests {
 
     #[test]
     fn the_recorded_time_is_cut_into_few_equal_windows() {
-        let of = |duration: f64| Windows::of(kept_values(duration));
+        let of = |duration: f64| Windows::of(kept_values(duration), 1.0);
         assert_eq!(of(1.0), Windows { count: 1, length: 102_400 });
         assert_eq!(of(1.5), Windows { count: 2, length: 76_800 });
         assert_eq!(of(2.5), Windows { count: 3, length: 85_312 });
         assert_eq!(of(20.0), Windows { count: 20, length: 102_400 });
         assert_eq!(of(1e-6), Windows { count: 1, length: 1 });
+        assert_eq!(Windows::of(kept_values(20.0), 4.0), Windows { count: 5, length: 409_600 });
         assert_eq!((of(0.5).excerpt(0), of(20.0).excerpt(3), of(1000.0).excerpt(0)), (51_200, 5_120, 1_024));
     }
 
@@ -480,7 +478,7 @@ mod tests {
 
     #[test]
     fn a_requested_series_is_passed_on_to_the_last_value() {
-        let values = 2 * kept_values(LONGEST) + 1;
+        let values = 2 * kept_values(1.0) + 1;
         let channel = Channel::CageSpeed;
         let outputs = Outputs { vibration: false, series: vec![channel], ..Outputs::vibration() };
         let memory = Arc::new(SeriesInMemory::default());

@@ -15,6 +15,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
 use crate::simulation::recording::bands::Band;
+use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
 use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
@@ -54,6 +55,8 @@ pub struct RacewayContactMetrics {
     pub min_film_thickness: Option<f64>,
     /// Largest load of each ball [N].
     pub max_load_per_ball: Vec<f64>,
+    /// Share of the time that balls in the load zone do not touch the raceway; `None` on ideal raceways and spindle-only models.
+    pub off: Option<OffShare>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -179,6 +182,7 @@ pub fn contacts(mechanism: &Mechanism, recording: &Recording) -> ContactMetrics 
             max_slip: extremes.max_slip,
             min_film_thickness: extremes.least_film.map(|film| 1e6 * film),
             max_load_per_ball: extremes.max_load.clone(),
+            off: extremes.off,
         }
     };
     ContactMetrics {

@@ -5,7 +5,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::terms::LeftOut;
-use crate::simulation::recording::plot_data::PlotData;
+use crate::simulation::recording::plot_data::{Impact, PlotData};
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::result::metrics::{self, SolverReport, Spectra, Summary};
@@ -42,7 +42,8 @@ impl RunResult {
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
         let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
-        let plot_data = || PlotData::of(recording, balls, is_steady);
+        let impact = || Impact::of(recording, balls).filter(|_| scene.surfaces.have_defects());
+        let plot_data = || PlotData { impact: impact(), ..PlotData::of(recording, balls, is_steady) };
         let (spectra, plot_data) = match outputs.keep_signals() {
             true => (metrics::spectra(recording, settings), plot_data()),
             false => (Vec::new(), PlotData::default()),

@@ -98,7 +98,7 @@ impl<'a> Problem<'a> {
         let terms = active_terms(self.scene, &self.settings.outputs, self.settings.rung)?;
         let model = Model::new(self.scene, &terms);
         let phase = StartupPhase::of(self.scene, &model, self.settings);
-        let start = InitialState::after(&phase, self.startup, &model, control)?;
+        let start = InitialState::after_in(&phase, self.startup, &model, control)?;
         Ok(self.dynamics.get_or_init(|| Dynamics { model, terms, start }))
     }
 }

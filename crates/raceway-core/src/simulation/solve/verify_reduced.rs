@@ -243,7 +243,7 @@ fn divergence(
         let other = radially_condensed::simulate_perturbed(scene, [DISPLACEMENT; 2], &short, control)?.0;
         let both = |channel: &Channel| Some((&*first.of(*channel)?.excerpts, &*other.of(*channel)?.excerpts));
         let pairs: Vec<Pairs<'_>> = ACCELERATIONS.iter().filter_map(both).collect();
-        let spacing = Windows::of(kept_values(duration)).length;
+        let spacing = Windows::of(kept_values(duration), settings.outputs.longest_window).length;
         Ok(lyapunov::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
     };
     if window >= settings.duration {

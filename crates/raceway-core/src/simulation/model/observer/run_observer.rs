@@ -12,6 +12,7 @@ use crate::physics::kinematics::LoadedBall;
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
+use crate::simulation::model::surface_sites::SiteObserver;
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::load_course::BallLoadRecorder;
@@ -80,6 +81,8 @@ pub struct Observer<'m> {
     parts: Vec<Quantities>,
     /// Moments of the cage over the current part.
     part_cage: CageMoments,
+    /// Balls in the load zone and over defects, on raceways that are no circles.
+    sites: Option<SiteObserver<'m>>,
 }
 
 impl<'m> Observer<'m> {
@@ -142,6 +145,10 @@ impl<'m> Observer<'m> {
             rolling: LoadedRolling::default(),
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
+            sites: model.mechanism().sites.as_ref().map(|sites| {
+                let window = settings.outputs.keep_signals().then_some(settings.outputs.longest_window);
+                SiteObserver::new(sites, balls, settings.outputs.contacts, window)
+            }),
         }
     }
 
@@ -275,6 +282,18 @@ impl<'m> Observer<'m> {
             self.part_cage.y.add(y);
             self.part_cage.z.add(z);
         }
+        self.observe_sites(time);
+    }
+
+    fn observe_sites(&mut self, time: f64) {
+        let (m, state, snapshot) = (self.model.mechanism(), &self.state, &self.snapshot);
+        let Some(sites) = &mut self.sites else { return };
+        let (angle, _, _) = m.speed.at(time);
+        sites.observe(time, angle, |ball| {
+            let arc = m.layout.ball(state, ball).arc;
+            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius;
+            (azimuth, PerRaceway { inner: snapshot.inner[ball], outer: snapshot.outer[ball] })
+        });
     }
 
     /// Returns whether the next sample is at the time of a recorded value.
@@ -404,6 +423,7 @@ impl<'m> Observer<'m> {
         let (spindle, spindle_whirl) = self.filtered.finish();
         let (picked, whirl) = self.picked.finish();
         let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
+        let off = self.sites.as_ref().and_then(SiteObserver::off_shares);
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
@@ -412,8 +432,16 @@ impl<'m> Observer<'m> {
             spindle_whirl,
             total_variance,
             contacts: PerRaceway {
-                inner: self.snapshot.extremes.inner.extremes(largest(|part| part.max_slip.inner)),
-                outer: self.snapshot.extremes.outer.extremes(largest(|part| part.max_slip.outer)),
+                inner: self
+                    .snapshot
+                    .extremes
+                    .inner
+                    .extremes(largest(|part| part.max_slip.inner), off.map(|off| off.inner)),
+                outer: self
+                    .snapshot
+                    .extremes
+                    .outer
+                    .extremes(largest(|part| part.max_slip.outer), off.map(|off| off.outer)),
             },
             max_pocket_load: largest(|part| part.max_pocket_load),
             direction: if self.shaft.mean() < 0.0 { -1.0 } else { 1.0 },
@@ -423,6 +451,7 @@ impl<'m> Observer<'m> {
             ball_spin: self.spin.mean(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
+            passages: self.sites.map(SiteObserver::into_passages).unwrap_or_default(),
             largest_pocket_offset: None,
         }
     }

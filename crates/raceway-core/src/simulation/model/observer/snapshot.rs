@@ -7,6 +7,7 @@ use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::simulation::input::channel::BallContact;
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::system::Model;
+use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::record::ContactExtremes;
 
 /// Loads of one sample and extremes of the run.
@@ -52,12 +53,13 @@ impl RunningExtremes {
         Self { max_load: vec![0.0; balls], angles: None, film: ThinnestFilm::NONE }
     }
 
-    pub(super) fn extremes(self, max_slip: f64) -> ContactExtremes {
+    pub(super) fn extremes(self, max_slip: f64, off: Option<OffShare>) -> ContactExtremes {
         ContactExtremes {
             max_load: self.max_load,
             angle: self.angles.map(|[least, most]| (least.0.atan2(least.1), most.0.atan2(most.1))),
             max_slip,
             least_film: Some(self.film.thickness).filter(|film| film.is_finite()),
+            off,
         }
     }
 }

@@ -35,7 +35,8 @@ pub fn simulate(
     let passage = steady(&model)?;
     // The motion repeats: one window shows all of it, unless a series shows every value.
     let all = kept_values(settings.duration);
-    let values = if settings.outputs.series.is_empty() { Windows::of(all).length } else { all };
+    let values =
+        if settings.outputs.series.is_empty() { Windows::of(all, settings.outputs.longest_window).length } else { all };
     let mut recorder = Recorder::new(SPINDLE_IN_PLANE, &settings.outputs, values)
         .with_series(SeriesRecording::begin(&settings.outputs, control));
     passage.repeated(settings.settle, values, control, |frame| recorder.push(frame))?;

@@ -122,6 +122,7 @@ impl RadiallyCondensed {
         let mut m = Mechanism::new(scene, &needs);
         let surfaced = with_surfaces(m.clone(), scene);
         m.wave_frequency = surfaced.wave_frequency;
+        m.sites = surfaced.sites.clone();
         let balls = m.layout.balls;
         let rest = equilibrium(&surfaced, m.speed.at(0.0).1)?;
         let largest = rest.loads.iter().fold(0.0, |most, load| f64::max(most, f64::max(load.inner, load.outer)));

@@ -14,6 +14,7 @@ use crate::physics::contact::film::ThinnestFilm;
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
+use crate::simulation::model::surface_sites::SiteObserver;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
 use crate::simulation::recording::record::{ContactExtremes, Quantities, Recording, cage_slip};
@@ -88,6 +89,8 @@ pub(super) struct Observer<'a> {
     /// Loaded balls of the current part, where the slip of the cage is requested, and rolling in the parts before.
     lift: Option<LoadedLift>,
     rolling: LoadedRolling,
+    /// Balls in the load zone and over defects, on raceways that are no circles.
+    sites: Option<SiteObserver<'a>>,
 }
 
 /// Largest values of a part of the recorded time, by group of balls.
@@ -215,6 +218,10 @@ impl<'a> Observer<'a> {
             films: model.needs().film_thickness.then(Films::new),
             lift: outputs.cage.then(LoadedLift::default),
             rolling: LoadedRolling::default(),
+            sites: model.mechanism().sites.as_ref().map(|sites| {
+                let window = outputs.keep_signals().then_some(outputs.longest_window);
+                SiteObserver::new(sites, model.mechanism().layout.balls, outputs.contacts, window)
+            }),
         }
     }
 
@@ -314,6 +321,20 @@ impl<'a> Observer<'a> {
         if let Some(films) = &mut self.films {
             films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
+        self.observe_sites(stepper);
+    }
+
+    #[inline(never)]
+    fn observe_sites(&mut self, stepper: &Stepper<'_>) {
+        let m = self.model.mechanism();
+        let Some(sites) = &mut self.sites else { return };
+        let (angle, _, _) = m.speed.at(stepper.time());
+        sites.observe(stepper.time(), angle, |ball| {
+            let (group, lane) = (ball / LANES, ball % LANES);
+            let (arc, load) = (stepper.balls()[group].arc[lane], &stepper.ball_loads()[group].load);
+            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius;
+            (azimuth, PerRaceway { inner: load.inner[lane].into(), outer: load.outer[lane].into() })
+        });
     }
 
     /// Records the extremes and means of the current part.
@@ -387,16 +408,19 @@ impl<'a> Observer<'a> {
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
+            passages: self.sites.map(SiteObserver::into_passages).unwrap_or_default(),
             largest_pocket_offset: m.layout.cage.then(|| self.largest_pocket_offset.0.into_iter().fold(0.0, f64::max)),
         }
     }
 
     fn contacts(&self) -> PerRaceway<ContactExtremes> {
         let balls = self.model.mechanism().layout.balls;
-        let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+        let none =
+            ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None, off: None };
         let Some(extremes) = &self.extremes else {
             return PerRaceway { inner: none.clone(), outer: none };
         };
+        let off = self.sites.as_ref().and_then(SiteObserver::off_shares);
         let one = |load: &dyn Fn(&PerRaceway<Singles>) -> Singles, slip: &Singles, film: Option<ThinnestFilm>| {
             let max_load: Vec<f64> =
                 (0..balls).map(|ball| load(&extremes.load[ball / LANES])[ball % LANES].into()).collect();
@@ -406,11 +430,16 @@ impl<'a> Observer<'a> {
                 angle: touched.then_some((0.0, 0.0)),
                 max_slip: slip.0.into_iter().fold(0.0, f32::max).into(),
                 least_film: film.map(|film| film.thickness).filter(|film| film.is_finite()),
+                off: None,
             }
         };
+        let film =
+            |of: fn(&PerRaceway<ThinnestFilm>) -> ThinnestFilm| self.films.as_ref().map(|films| of(&films.thinnest));
+        let inner = one(&|load| load.inner, &extremes.slip.inner, film(|thinnest| thinnest.inner));
+        let outer = one(&|load| load.outer, &extremes.slip.outer, film(|thinnest| thinnest.outer));
         PerRaceway {
-            inner: one(&|load| load.inner, &extremes.slip.inner, self.films.as_ref().map(|films| films.thinnest.inner)),
-            outer: one(&|load| load.outer, &extremes.slip.outer, self.films.as_ref().map(|films| films.thinnest.outer)),
+            inner: ContactExtremes { off: off.map(|off| off.inner), ..inner },
+            outer: ContactExtremes { off: off.map(|off| off.outer), ..outer },
         }
     }
 }

@@ -20,7 +20,7 @@ pub(crate) fn recording(
     let series = recorder.series();
     let (signals, spindle_whirl) = recorder.finish();
     let balls = mechanism.layout.balls;
-    let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None };
+    let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None, off: None };
     let turned = |time: f64| mechanism.speed.at(time).0;
     let (begin, _) = model.speed(start);
     let mean = if duration > 0.0 { (turned(start + duration) - turned(start)) / duration } else { begin };
@@ -40,6 +40,7 @@ pub(crate) fn recording(
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
         loads: None,
+        passages: Vec::new(),
         largest_pocket_offset: None,
     }
 }
