@@ -153,7 +153,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
-        let bodies = &m.bodies[first / LANES];
+        // A copy, so that the compiler knows that no store in the loops changes it.
+        let bodies = m.bodies[first / LANES];
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
@@ -360,7 +361,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         motion: &BallMotion<Lanes>,
         wrench: &Wrench<Lanes>,
     ) -> BallState<Lanes> {
-        let (one, bodies) = (self.one, &self.mechanism.bodies[first / LANES]);
+        let (one, bodies) = (self.one, self.mechanism.bodies[first / LANES]);
         let mut response = BallState::<Lanes>::default();
         for lane in 0..LANES {
             response.put(lane, one.response(&motion.at(lane), &bodies.at(lane), wrench.at(lane)));

@@ -161,6 +161,7 @@ impl Resistance {
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Balls from `first` on at the end of a step: one step of Newton from the predicted state.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn correct(
         &self,
         first: usize,
@@ -172,7 +173,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         corrected: &mut Corrected,
     ) {
         let m = self.mechanism();
-        let (bodies, nominal) = (&m.bodies[first / LANES], m.ball_radius);
+        let (bodies, nominal) = (m.bodies[first / LANES], m.ball_radius);
         // Equal balls share one division.
         let over_share = |of: fn(&BallBody) -> f64| match m.largest_oversize {
             None => Lanes::<LANES>::all(of(&bodies.at(0)) / share),
