@@ -9,6 +9,7 @@
 pub mod defects;
 mod height;
 mod narrow;
+pub mod sphere;
 mod table;
 pub mod waviness;
 
