@@ -40,7 +40,7 @@ pub struct SceneInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub damping: Option<DampingInput>,
-    /// Surfaces of the raceways. Default: ideal circles.
+    /// Surfaces of raceways and balls. Default: ideal circles and equal balls.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub surfaces: Option<SurfacesInput>,

@@ -22,6 +22,8 @@ fn wrong_surfaces_are_refused() {
         let good = json!({ "azimuth_deg": 90, "length_mm": 0.2, "depth_um": 10 });
         inner(json!({ "defects": [good, fields] }))
     };
+    let balls = |fields: Value| json!({ "balls": [{ "ball": 2, "diameter_um": 1 }, fields] });
+    let every_ball = |fields: Value| json!({ "every_ball": fields });
     let apart = |index: i32| json!({ "azimuth_deg": 20 * index, "length_mm": 0.1, "depth_um": 3 });
     let many_defects: Vec<Value> = (0..17).map(apart).collect();
     let many = vec![json!({ "order": 8, "amplitude_nm": 10 }); 65];
@@ -86,8 +88,17 @@ fn wrong_surfaces_are_refused() {
         (inner(json!({ "defects": [{ "length_mm": 80, "depth_um": 3 }] })), "inner/defects", "item 0 are no less than"),
         (inner(json!({ "defects": many_defects })), "inner/defects", "17 defects: at most 16"),
         (inner(json!({ "axial_waviness": [] })), "inner/axial_waviness", "not supported yet"),
-        (json!({ "balls": [] }), "balls", "not supported yet"),
-        (json!({ "every_ball": {} }), "every_ball", "not supported yet"),
+        (balls(json!({})), "balls/1/ball", "required, but missing"),
+        (balls(json!({ "ball": 0 })), "balls/1/ball", "0: must be from 1 to 64"),
+        (balls(json!({ "ball": 1.5 })), "balls/1/ball", "1.5: must be a whole number from 1 to 64"),
+        (balls(json!({ "ball": 8 })), "balls", "ball 8 of item 1: the bearing has 7 balls"),
+        (balls(json!({ "ball": 2, "diameter_um": 1 })), "balls", "items 0 and 1 are both of ball 2"),
+        (balls(json!({ "ball": 3, "diameter_um": -6000 })), "balls/1/diameter_um", "must be from -5000 to 5000 µm"),
+        (balls(json!({ "ball": 3, "diameter_um": 30 })), "balls", "30 µm of item 1: at most"),
+        (every_ball(json!({ "diameter_spread_um": -1 })), "every_ball/diameter_spread_um", "must be from 0 to 5000 µm"),
+        (every_ball(json!({ "diameter_spread_um": 30 })), "every_ball/diameter_spread_um", "30 µm: at most"),
+        (balls(json!({ "ball": 3, "waviness": [] })), "balls/1/waviness", "not supported yet"),
+        (balls(json!({ "ball": 3, "defects": [] })), "balls/1/defects", "not supported yet"),
     ] {
         let body = wavy(surfaces);
         let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("{body}") };

@@ -10,7 +10,7 @@ use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::presets::{self, BearingPreset};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
-use crate::physics::surface::waviness::Surfaces;
+use crate::physics::surface::waviness::{SurfaceParameters, Surfaces};
 
 /// Choice of the request for one term of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,7 +96,7 @@ pub struct SceneParameters {
     pub lubricant: Lubricant,
     pub raceway_damping: DampingLaw,
     pub terms: Terms,
-    pub surfaces: Surfaces,
+    pub surfaces: SurfaceParameters,
     /// Acceleration of gravity along +Y [m/s²].
     pub gravity: f64,
 }
@@ -139,6 +139,7 @@ impl Scene {
             );
         }
         faults.of(bearing, |bearing| Self {
+            surfaces: p.surfaces.of_balls(bearing.parameters.ball_count),
             bearing,
             cage: p.cage,
             spindle: p.spindle,
@@ -146,7 +147,6 @@ impl Scene {
             lubricant: p.lubricant,
             raceway_damping: p.raceway_damping,
             terms: p.terms,
-            surfaces: p.surfaces,
             gravity: p.gravity,
         })
     }
@@ -173,7 +173,7 @@ impl Scene {
             lubricant: presets::lubricant_of(defaults.lubricant).lubricant,
             raceway_damping: RACEWAY_DAMPING,
             terms: Terms::default(),
-            surfaces: Surfaces::default(),
+            surfaces: SurfaceParameters::default(),
             gravity: GRAVITY,
         })
     }

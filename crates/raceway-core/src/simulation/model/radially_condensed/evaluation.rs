@@ -491,7 +491,7 @@ mod tests {
             ..RacewaySurface::default()
         };
         let raceway = PerRaceway { inner: surface(9, 0.7), outer: surface(20, -1.0) };
-        scene.surfaces = Surfaces { raceway, seed: 1 };
+        scene.surfaces = Surfaces { raceway, ..Surfaces::default() };
         let model = RadiallyCondensed::new(&scene, &Outputs::vibration()).unwrap();
         let m = &model.mechanism;
         let waves = model.waves.as_ref().unwrap();
