@@ -10,7 +10,9 @@ use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use serde_json::{Value, json};
 
-use crate::scenes::{article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, waves};
+use crate::scenes::{
+    article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, uneven_balls, waves,
+};
 
 const TIME: f64 = 2.3e-4;
 
@@ -36,6 +38,8 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
         (changed(article(), waves()), ModelLevel::Planar),
         (everything_with(defects(0.1)), ModelLevel::Full),
         (changed(article(), defects(0.0)), ModelLevel::Planar),
+        (everything_with(uneven_balls(5.0)), ModelLevel::Full),
+        (changed(article(), uneven_balls(0.0)), ModelLevel::Planar),
     ]
 }
 

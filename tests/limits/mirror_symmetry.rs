@@ -3,11 +3,13 @@
 
 use raceway::physics::frames::Vector;
 use raceway::simulation::model::Model;
-use raceway::simulation::model::state::{BallState, CageState, SpindleState};
+use raceway::simulation::model::state::{BallAttitude, BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
-use crate::scenes::{article, changed, defects, disturbed, everything, model, model_on, rates, scene, waves};
+use crate::scenes::{
+    article, changed, defects, disturbed, everything, model, model_on, rates, scene, uneven_balls, waves,
+};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::solve::run::simulate;
@@ -31,7 +33,12 @@ pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
     for ball in 0..layout.balls {
         let s = layout.ball(y, ball);
         let s = BallState { arc: -s.arc, arc_velocity: -s.arc_velocity, spin: axial(s.spin), ..s };
-        layout.set_ball(&mut image, (layout.balls - ball) % layout.balls, &s);
+        let number = (layout.balls - ball) % layout.balls;
+        layout.set_ball(&mut image, number, &s);
+        let [first, x, y, z] = layout.attitude(y, ball).0;
+        let [x, y, z] = axial([x, y, z]);
+        let first = if layout.planar { -first } else { first };
+        layout.set_attitude(&mut image, number, &BallAttitude([first, x, y, z]));
     }
     let s = layout.cage(y);
     let flipped = |[about_y, about_z]: [f64; 2]| [-about_y, about_z];
@@ -72,6 +79,17 @@ pub fn mirrored_scene(mut json: Value) -> Value {
         for ring in ["inner", "outer"] {
             let items = json.pointer_mut(&format!("/surfaces/{ring}/{list}")).and_then(Value::as_array_mut);
             for item in items.into_iter().flatten() {
+                if item.get(field).is_some() {
+                    negate(&mut item[field]);
+                }
+            }
+        }
+    }
+    let balls = json.pointer("/bearing/balls").and_then(Value::as_u64).unwrap_or(7);
+    for ball in json.pointer_mut("/surfaces/balls").and_then(Value::as_array_mut).into_iter().flatten() {
+        ball["ball"] = json!((balls + 1 - ball["ball"].as_u64().unwrap()) % balls + 1);
+        for (list, field) in [("waviness", "phase_deg"), ("defects", "longitude_deg")] {
+            for item in ball.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten() {
                 if item.get(field).is_some() {
                     negate(&mut item[field]);
                 }
@@ -128,6 +146,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
         ),
         ("waves", of(waves())),
         ("defects", of(defects(0.1))),
+        ("uneven balls", of(uneven_balls(5.0))),
         ("eight balls", of(json!({ "bearing": { "ball_count": 8 } }))),
     ] {
         let (model, image) = (model(&json), model(&mirrored_scene(json)));

@@ -1,4 +1,4 @@
-//! Surfaces of the raceways before a run: waves that the contacts average, keep or leave out, and what a ball feels of each defect.
+//! Surfaces of raceways and balls before a run: waves that the contacts average, keep or leave out, and what a ball feels of each defect.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -9,10 +9,12 @@ use raceway_core::physics::surface::defects::Recess;
 use raceway_core::physics::surface::waviness::{KeptWave, Omission, SortedWaves};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::Mechanism;
-use raceway_core::simulation::model::surfaces::{AveragedSurface, averaged_surfaces, ball_loads_at};
+use raceway_core::simulation::model::surfaces::{
+    AveragedBall, AveragedSurface, averaged_balls, averaged_surfaces, ball_loads_at,
+};
 use raceway_core::simulation::model::terms::ActiveTerms;
 
-/// Waves and defects of both raceways. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
+/// Waves and defects of both raceways and of the balls. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
 /// static equilibrium at the largest speed, for the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SurfacesAnswer {
@@ -20,6 +22,37 @@ pub struct SurfacesAnswer {
     pub inner: RacewaySurfaceAnswer,
     /// Surface of the outer raceway.
     pub outer: RacewaySurfaceAnswer,
+    /// Balls with waves or defects.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub balls: Vec<BallSurfaceAnswer>,
+}
+
+/// Waves and defects of one ball.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BallSurfaceAnswer {
+    /// Number of the ball, from 1.
+    #[schema(minimum = 1)]
+    pub ball: usize,
+    /// As the inner raceway averages and feels them.
+    pub inner: BallContactAnswer,
+    /// As the outer raceway averages and feels them.
+    pub outer: BallContactAnswer,
+}
+
+/// Waves and defects of a ball at one raceway.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BallContactAnswer {
+    /// Order whose waves are as long as the contact and averaged to zero, π d/2b.
+    #[schema(minimum = 0)]
+    pub first_zero_order: f64,
+    /// Number of waves in the model, drawn ones included.
+    pub kept: usize,
+    /// The first 8 waves in the model, those given in `waviness` first.
+    pub waves: Vec<KeptWaveAnswer>,
+    /// Ranges of orders that are not in the model.
+    pub left_out: Vec<LeftOutOrdersAnswer>,
+    /// Defects with a depth above 0, in the order of the request, under the most loaded ball.
+    pub defects: Vec<DefectAnswer>,
 }
 
 /// Waves and defects of one raceway.
@@ -71,7 +104,7 @@ pub struct DefectAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub impact_beside_middle_us: Option<f64>,
-    /// Load of a ball in the middle of the defect, on ideal raceways [N]; on the inner raceway, which turns through the load, the largest.
+    /// Load of a ball in the middle of the defect, on ideal raceways [N]; of inner raceway and balls, which turn through the load, the largest.
     #[schema(minimum = 0)]
     pub ball_load_n: f64,
     /// True if the inner raceway presses a ball into the defect at some time. Outside the load zone, balls hardly feel a defect.
@@ -121,11 +154,12 @@ pub enum LeftOutReason {
     Fast,
 }
 
-/// Largest number of listed waves.
+/// Largest number of listed waves, of a raceway and of a ball.
 const MOST_LISTED: usize = 64;
+const MOST_OF_BALL: usize = 8;
 
 impl SurfacesAnswer {
-    /// `None` where all raceways are ideal circles.
+    /// `None` where all raceways are ideal circles and all balls alike spheres.
     pub fn of(scene: &Scene, terms: &ActiveTerms) -> Option<Self> {
         let mechanism = Mechanism::new(scene, terms);
         let PerRaceway { inner, outer } = averaged_surfaces(&mechanism, scene)?;
@@ -138,7 +172,34 @@ impl SurfacesAnswer {
         Some(Self {
             inner: RacewaySurfaceAnswer::of(&inner, on_inner.collect()),
             outer: RacewaySurfaceAnswer::of(&outer, on_outer.collect()),
+            balls: balls(&mechanism, scene, PerRaceway { inner: inner.load, outer: outer.load }),
         })
+    }
+}
+
+/// Balls with waves or defects; `load`: of the most loaded ball [N].
+fn balls(mechanism: &Mechanism, scene: &Scene, load: PerRaceway<f64>) -> Vec<BallSurfaceAnswer> {
+    let mass = scene.bearing.ball_mass;
+    let balls = averaged_balls(mechanism, scene).into_iter().enumerate();
+    let is_even = |of: &AveragedBall| of.waves == SortedWaves::default() && of.defects.is_empty();
+    let uneven = balls.filter(|(_, ball)| !is_even(&ball.inner) || !is_even(&ball.outer));
+    let one = |(index, ball): (usize, PerRaceway<AveragedBall>)| BallSurfaceAnswer {
+        ball: index + 1,
+        inner: BallContactAnswer::of(&ball.inner, mass, load.inner),
+        outer: BallContactAnswer::of(&ball.outer, mass, load.outer),
+    };
+    uneven.map(one).collect()
+}
+
+impl BallContactAnswer {
+    fn of(AveragedBall { contact, waves, defects }: &AveragedBall, ball_mass: f64, load: f64) -> Self {
+        Self {
+            first_zero_order: contact.first_zero(),
+            kept: waves.kept.len(),
+            waves: waves.kept.iter().take(MOST_OF_BALL).map(KeptWaveAnswer::from).collect(),
+            left_out: ranges(waves),
+            defects: defects.iter().map(|of| DefectAnswer::of(&of.recess, ball_mass, load, load)).collect(),
+        }
     }
 }
 

@@ -289,24 +289,11 @@ impl RandomWavinessInput {
     }
 }
 
-/// Refuses waves and defects of balls, which are not built.
-fn refuse_unbuilt(at: &str, fields: &[(&str, bool)], defaults: &mut Defaults) {
-    for (field, _) in fields.iter().filter(|(_, is_given)| *is_given) {
-        defaults.refuse(format!("{at}/{field}"), "not supported yet");
-    }
-}
-
 impl BallSurfaceInput {
     /// `None` where a number is wrong, which would be reported twice.
     fn resolve(&mut self, index: usize, defaults: &mut Defaults) -> Option<GivenBall> {
         let of = format!("balls/{index}");
         let at = format!("/scene/surfaces/{of}");
-        let unbuilt = [
-            ("waviness", self.waviness.is_some()),
-            ("random_waviness", self.random_waviness.is_some()),
-            ("defects", self.defects.is_some()),
-        ];
-        refuse_unbuilt(&at, &unbuilt, defaults);
         let deviation = defaults.fill(format!("{at}/diameter_um"), &mut self.diameter_um, 0.0);
         let fields =
             [("ball", "ball", f64::from(self.ball), NUMBER), ("diameter_deviation", "diameter_um", deviation, UM)];
@@ -348,7 +335,6 @@ impl BallSurfaceInput {
 impl EveryBallInput {
     fn resolve(&mut self, defaults: &mut Defaults) -> EveryBall {
         let at = "/scene/surfaces/every_ball";
-        refuse_unbuilt(at, &[("random_waviness", self.random_waviness.is_some())], defaults);
         let spread = defaults.fill(format!("{at}/diameter_spread_um"), &mut self.diameter_spread_um, 0.0);
         let random_waviness = self.random_waviness.as_mut().map(|random| random.resolve("every_ball", defaults));
         EveryBall { random_waviness, diameter_spread: UM.to_si(spread) }

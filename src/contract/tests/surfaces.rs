@@ -97,8 +97,21 @@ fn wrong_surfaces_are_refused() {
         (balls(json!({ "ball": 3, "diameter_um": 30 })), "balls", "30 µm of item 1: at most"),
         (every_ball(json!({ "diameter_spread_um": -1 })), "every_ball/diameter_spread_um", "must be from 0 to 5000 µm"),
         (every_ball(json!({ "diameter_spread_um": 30 })), "every_ball/diameter_spread_um", "30 µm: at most"),
-        (balls(json!({ "ball": 3, "waviness": [] })), "balls/1/waviness", "not supported yet"),
-        (balls(json!({ "ball": 3, "defects": [] })), "balls/1/defects", "not supported yet"),
+        (
+            balls(json!({ "ball": 3, "waviness": [{ "order": 3, "amplitude_nm": -1 }] })),
+            "balls/1/waviness/0/amplitude_nm",
+            "must be from 0 to",
+        ),
+        (
+            balls(json!({ "ball": 3, "defects": [{ "diameter_mm": 0.1, "depth_um": 1, "latitude_deg": 91 }] })),
+            "balls/1/defects/0/latitude_deg",
+            "91: must be from -90 to 90°",
+        ),
+        (
+            balls(json!({ "ball": 3, "defects": [{ "diameter_mm": 2.75, "depth_um": 1 }] })),
+            "balls",
+            "a defect of 2.75 mm on ball 3: must be below",
+        ),
     ] {
         let body = wavy(surfaces);
         let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("{body}") };

@@ -12,8 +12,8 @@ use std::array::from_fn;
 use std::sync::Arc;
 
 pub(crate) use self::groove::LARGEST_CONTACT;
-use self::groove::{Contact, Groove, GroovePlace};
 pub use self::groove::OnBall;
+use self::groove::{Contact, Groove, GroovePlace};
 pub(crate) use self::motion::ContactSlopes;
 pub use self::motion::{RacewayLoad, RelativeMotion};
 use self::strip_sums::{AT_ONCE, MirroredStrips, StripSums};
@@ -158,6 +158,11 @@ impl RacewayContact {
     /// Surfaces of the balls; empty where all are spheres.
     pub(crate) fn balls(&self) -> &[Option<SphereProfile>] {
         &self.balls
+    }
+
+    /// The same, shared.
+    pub(crate) fn shared_balls(&self) -> Arc<[Option<SphereProfile>]> {
+        self.balls.clone()
     }
 
     /// Effects of the surfaces of the balls from `first` on; lanes beyond the last ball repeat it.

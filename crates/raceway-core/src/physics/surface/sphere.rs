@@ -5,11 +5,13 @@
 //! the force −(Q τ_a/r) t − (Q τ_t/|l|) c, and the ring takes the opposite force at the same point. Without that force neither energy nor
 //! angular momentum would be kept.
 
-use super::defects::{Across, Recess};
+use super::ball::BallDefect;
+use super::defects::{Across, Defect, PassingContact, Recess, Shape};
+use super::height::Rise;
 use super::table::{HeightTable, PathTable};
 use super::waviness::Wave;
 use crate::numerics::angle::sin_cos;
-use crate::numerics::lanes::side_by_side;
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 use crate::physics::frames::{Vector, add, cross, dot, scale};
 
 /// Height of a ball at a contact, and its slopes.
@@ -101,6 +103,11 @@ impl SphereProfile {
         of
     }
 
+    /// Height with both derivatives at a longitude on the equator [rad], of a ball that stays in its plane.
+    pub(crate) fn on_track(&self, longitude: f64) -> Rise {
+        self.track.rises(&Lanes::<1>::all(longitude)).at(0)
+    }
+
     /// h = Re F(z) with z = p₂ + i p₃ of the contact; its gradient in the ball's frame is (0, Re F', −Im F').
     fn waves_at(&self, towards: Vector, axes: &[Vector; 3]) -> BallHeight {
         let z = (dot(towards, axes[1]), dot(towards, axes[2]));
@@ -159,6 +166,13 @@ impl SphereDefect {
 }
 
 impl BallRecess {
+    pub(crate) fn new(defect: &BallDefect, contact: PassingContact) -> Self {
+        let BallDefect { diameter, depth, latitude, longitude } = *defect;
+        let shape = Shape::Rectangular;
+        let defect = Defect { azimuth: longitude, length: diameter, width: Some(diameter), depth, across: 0.0, shape };
+        Self { recess: Recess { defect, contact }, latitude }
+    }
+
     /// Direction of its middle from the ball's centre, in the ball's frame: longitude from axis 2 towards 3, latitude towards 1.
     pub(crate) fn direction(&self) -> Vector {
         let ((sine, cosine), (lon_sine, lon_cosine)) = (sin_cos(self.latitude), sin_cos(self.recess.defect.azimuth));
@@ -184,4 +198,84 @@ fn to_the_power(z: (f64, f64), mut exponent: u32) -> (f64, f64) {
         exponent >>= 1;
     }
     power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CONTACT: PassingContact = PassingContact {
+        semi_major: 0.2e-3,
+        half_width: 0.03e-3,
+        approach: 2e-6,
+        curvature: 900.0,
+        radius: 1.389e-3,
+        speed: 10.0,
+    };
+
+    fn profile(planar: bool) -> SphereProfile {
+        let wave = |(order, amplitude, phase)| Wave { order, amplitude, phase };
+        let waves = [(40, 20e-9, 1.0), (1, 300e-9, -0.4), (3, 100e-9, 0.7)].map(wave);
+        let defect = BallDefect { diameter: 0.3e-3, depth: 3e-6, latitude: 0.0, longitude: 0.1 };
+        SphereProfile::new(&waves, &[BallRecess::new(&defect, CONTACT)], planar).unwrap()
+    }
+
+    /// Axes of a ball turned by a rotation about one axis after the other.
+    fn turned(axes: &[Vector; 3], axis: usize, by: f64) -> [Vector; 3] {
+        let (sine, cosine) = sin_cos(by);
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        axes.map(|v| {
+            let mut turned = v;
+            turned[a] = cosine * v[a] - sine * v[b];
+            turned[b] = sine * v[a] + cosine * v[b];
+            turned
+        })
+    }
+
+    const SELF: [Vector; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+    /// Where the ball turns, the height falls by its slopes.
+    #[test]
+    fn slopes_are_those_of_the_height() {
+        let ball = profile(false);
+        let towards = (0.2, (1.0 - 0.04_f64).sqrt());
+        for place in -40..40 {
+            let axes = turned(&turned(&turned(&SELF, 0, 0.004 * f64::from(place)), 1, 0.03), 2, -0.15);
+            let pose = |axes| BallPose { longitude: 0.0, axes };
+            let at = ball.at::<false>(towards, &pose(axes));
+            for axis in 0..3 {
+                let by = 1e-6;
+                let [less, more] = [-by, by].map(|by| ball.at::<false>(towards, &pose(turned(&axes, axis, by))).height);
+                let slope = (less - more) / (2.0 * by);
+                assert!((slope - at.by_turn[axis]).abs() < 1e-9, "{place} {axis}: {slope:e} {:e}", at.by_turn[axis]);
+            }
+        }
+    }
+
+    /// On the equator the height is the sum of cosines of longitude, by powers as by table.
+    #[test]
+    fn the_track_is_the_equator() {
+        let (sphere, track) = (profile(false), profile(true));
+        for place in 0..2000 {
+            let longitude = 0.003_3 * f64::from(place) - 1.0;
+            let axes = turned(&SELF, 0, -longitude);
+            let one = sphere.at::<false>((0.0, 1.0), &BallPose { longitude, axes });
+            let other = track.at::<true>((0.0, 1.0), &BallPose { longitude, axes });
+            // Distances along the equator by their sine or by the arc.
+            assert!((one.height - other.height).abs() < 2e-8, "{longitude}: {one:?} {other:?}");
+            if !(-0.1..0.3).contains(&longitude) {
+                assert!((one.height - other.height).abs() < 1e-12, "{longitude}: {one:?} {other:?}");
+                assert!((one.by_turn[0] - other.by_turn[0]).abs() < 1e-9, "{longitude}: {one:?} {other:?}");
+            }
+        }
+    }
+
+    /// 6° beside the equator a wave of order 100 keeps 0.58 of its amplitude.
+    #[test]
+    fn waves_fade_beside_the_equator() {
+        let ball = SphereProfile::new(&[Wave { order: 100, amplitude: 1.0, phase: 0.0 }], &[], false).unwrap();
+        let (sine, cosine) = sin_cos(6.0_f64.to_radians());
+        let height = ball.at::<false>((sine, cosine), &BallPose { longitude: 0.0, axes: SELF }).height;
+        assert!((height - 0.577).abs() < 1e-3, "{height}");
+    }
 }

@@ -154,9 +154,30 @@ impl Surfaces {
         self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal() && self.balls.is_empty()
     }
 
-    /// Returns true where a raceway has a defect.
+    /// Returns true where a raceway or a ball has a defect.
     pub(crate) fn have_defects(&self) -> bool {
-        self.raceway.inner.has_defects() || self.raceway.outer.has_defects()
+        self.raceway.inner.has_defects() || self.raceway.outer.has_defects() || self.balls_have_defects()
+    }
+
+    /// Returns true where a ball has a defect.
+    pub(crate) fn balls_have_defects(&self) -> bool {
+        self.balls.iter().any(BallSurface::has_defects)
+    }
+
+    /// Returns true where a ball is no sphere: it has waves or defects.
+    pub(crate) fn have_uneven_balls(&self) -> bool {
+        !self.balls.iter().all(BallSurface::is_sphere)
+    }
+
+    /// Returns true where balls may show odd orders of their spin: one has a defect, or their waves differ. Drawn phases do.
+    pub(crate) fn have_odd_ball_orders(&self) -> bool {
+        let differ = self.balls.windows(2).any(|pair| pair[0].waviness != pair[1].waviness);
+        differ || self.balls.iter().any(|ball| !ball.random_waviness.is_empty() || ball.has_defects())
+    }
+
+    /// Returns true where a defect of a ball lies beside the ball's equator.
+    pub(crate) fn have_defects_beside_track(&self) -> bool {
+        self.balls.iter().flat_map(|ball| &ball.defects).any(|defect| defect.depth > 0.0 && defect.latitude != 0.0)
     }
 
     /// Returns true where a defect is not symmetric about the groove's bottom, so that its edge pushes balls along the axis.
@@ -275,15 +296,20 @@ impl RacewaySurface {
     /// All waves, those given first. `first_zero`: the order that ends drawn waves by default. `index`: `OUTER` or
     /// `INNER`.
     fn waves(&self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> + '_ {
-        let drawn = self.random_waviness.into_iter().flat_map(move |random| {
-            let last = random.to_order.unwrap_or(first_zero as u32);
-            (random.from_order..=last).map(move |order| Wave {
-                order,
-                amplitude: random.amplitude * power(f64::from(order) / f64::from(random.at_order), -random.exponent),
-                phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
-            })
-        });
+        let drawn = self.random_waviness.into_iter().flat_map(move |random| random.waves(first_zero, index, seed));
         self.waviness.iter().copied().chain(drawn).filter(|wave| wave.amplitude != 0.0)
+    }
+}
+
+impl RandomWaviness {
+    /// The waves with their drawn phases. `first_zero`: the order that ends them by default; `index`: number of the surface.
+    pub(super) fn waves(self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> {
+        let last = self.to_order.unwrap_or(first_zero as u32);
+        (self.from_order..=last).map(move |order| Wave {
+            order,
+            amplitude: self.amplitude * power(f64::from(order) / f64::from(self.at_order), -self.exponent),
+            phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
+        })
     }
 }
 
@@ -384,8 +410,13 @@ impl AveragingContact {
 
     /// The waves of a surface. `index`: `OUTER` or `INNER`.
     pub fn sorted(&self, surface: &RacewaySurface, index: u64, seed: u64) -> SortedWaves {
+        self.sorted_waves(surface.waves(self.first_zero(), index, seed))
+    }
+
+    /// Some waves.
+    pub(crate) fn sorted_waves(&self, waves: impl Iterator<Item = Wave>) -> SortedWaves {
         let mut sorted = SortedWaves::default();
-        for wave in surface.waves(self.first_zero(), index, seed) {
+        for wave in waves {
             match self.omission(wave.order) {
                 Some(omission) => sorted.left_out.push((wave.order, omission)),
                 None => sorted.kept.push(KeptWave {

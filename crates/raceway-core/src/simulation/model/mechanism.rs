@@ -40,12 +40,14 @@ pub struct Mechanism {
     /// Radius of a ball [m].
     pub ball_radius: f64,
     pub raceway: PerRaceway<RacewayContact>,
-    /// Highest frequency at which waves of the raceways pass a ball [Hz]; 0 on ideal circles.
+    /// Highest frequency at which waves of raceways and balls pass a contact [Hz]; 0 without waves.
     pub(crate) wave_frequency: f64,
     /// Longest step that resolves the path over a defect at the largest speed [s]; infinite without defects and at rest.
     pub(crate) defect_step: f64,
     /// Defects of the raceways, as they limit steps.
     pub(crate) defects: PerRaceway<Vec<DefectReach>>,
+    /// Each ball, where one is no sphere; else empty.
+    pub(crate) uneven_balls: Vec<UnevenBall>,
     pub pocket: Pocket,
     /// Contact of neighbouring balls; `None`: a cage keeps them apart.
     pub neighbours: Option<NeighbourContact>,
@@ -70,6 +72,17 @@ pub struct Mechanism {
     pub(crate) perturbation: Option<InitialPerturbation>,
     /// Damping of the start-up phase, which is no part of the scene.
     pub(crate) damping: Option<FadingDamping>,
+}
+
+/// A ball that may have waves and defects, as it lies at the start.
+#[derive(Debug, Clone)]
+pub(crate) struct UnevenBall {
+    /// Its axes in the orbit frame; the second points to the outer contact at rest, the third along the orbit.
+    pub axes: [Vector; 3],
+    /// Heights at both contacts at rest [m].
+    pub heights: PerRaceway<f64>,
+    /// Directions of its defects in its own frame, and how they limit steps.
+    pub defects: PerRaceway<Vec<(Vector, DefectReach)>>,
 }
 
 /// Start azimuths by column.
@@ -103,7 +116,7 @@ impl Mechanism {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
-    /// Returns true where a raceway has a defect.
+    /// Returns true where a raceway or a ball has a defect.
     pub(crate) fn has_defects(&self) -> bool {
         self.defect_step.is_finite()
     }
@@ -120,7 +133,7 @@ impl Mechanism {
         }
     }
 
-    /// Longest step that resolves the waves of the raceways [s]; infinite on ideal circles.
+    /// Longest step that resolves the waves of raceways and balls [s]; infinite without waves.
     pub(crate) fn longest_wave_step(&self) -> f64 {
         1.0 / (STEPS_PER_WAVE * self.wave_frequency)
     }
@@ -143,6 +156,7 @@ impl Mechanism {
                 planar: needs.rung == ModelLevel::Planar,
                 cage: needs.cage,
                 axial_spindle: needs.axial_spindle,
+                attitude: false,
             },
             speed: scene.operation.speed.clone(),
             orbit_ratio,
@@ -156,6 +170,7 @@ impl Mechanism {
             wave_frequency: 0.0,
             defect_step: f64::INFINITY,
             defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
+            uneven_balls: Vec::new(),
             pocket: Pocket::new(
                 bearing,
                 &scene.cage,

@@ -47,11 +47,15 @@ impl BallAttitude {
         (1.0 + real, [x, y, z])
     }
 
-    /// Axes that lay in given directions at the start and roll ideally but for this deviation.
-    pub(super) fn turned(&self, axes: &[Vector; 3], ideal: Azimuth) -> [Vector; 3] {
+    /// Axes in the orbit frame that lay in given directions at the start and roll ideally but for this deviation.
+    pub(crate) fn axes(&self, at_start: &[Vector; 3], ideal: Azimuth, planar: bool) -> [Vector; 3] {
+        if planar {
+            let turned = ideal.turned(Azimuth::new(self.0[0]));
+            return at_start.map(|axis| turned.to_inertial(axis));
+        }
         let (real, vector) = self.quaternion();
         let twice = 2.0 / (real * real + dot(vector, vector));
-        axes.map(|axis| {
+        at_start.map(|axis| {
             let across = cross(vector, axis);
             let turned = add(axis, scale(twice, add(scale(real, across), cross(vector, across))));
             ideal.to_inertial(turned)
@@ -125,6 +129,25 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         rates
     }
 
+    /// Attitudes of balls side by side after a time step. `states`, `shafts`: before and after it.
+    #[inline(never)]
+    pub(super) fn advanced_attitudes(
+        &self,
+        attitude: &BallAttitude<Lanes>,
+        states: [&BallState<Lanes>; 2],
+        shafts: [Shaft; 2],
+        step: f64,
+    ) -> BallAttitude<Lanes> {
+        let one = self.one();
+        let ideal = shafts.map(|shaft| one.ideal_turn(shaft));
+        let mut advanced = BallAttitude::default();
+        for lane in 0..LANES {
+            let [before, after] = states.map(|state| state.at(lane));
+            advanced.put(lane, one.advanced::<PLANAR>(&attitude.at(lane), [&before, &after], ideal, step));
+        }
+        advanced
+    }
+
     /// Effects of the surfaces of the balls from `first` on both contacts.
     #[inline(never)]
     pub(super) fn on_balls<F: ContactFrame>(
@@ -154,7 +177,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 false => {
                     let balls = &self.mechanism().uneven_balls;
                     let axes = &balls[(first + lane).min(balls.len() - 1)].axes;
-                    BallPose { longitude: 0.0, axes: attitude.turned(axes, ideal) }
+                    BallPose { longitude: 0.0, axes: attitude.axes(axes, ideal, false) }
                 }
             };
             poses.put(lane, pose);

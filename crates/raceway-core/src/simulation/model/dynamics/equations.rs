@@ -293,12 +293,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Loads of the inner raceway on the balls from `first` on, and of the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner_part(
-        &self,
-        first: usize,
-        balls: &Balls,
-        border: &Border,
-    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+    pub(super) fn inner_part(&self, first: usize, balls: &Balls, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
             Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(first, balls, border, &axis),
             _ => self.inner_part_in::<StraightFrame>(first, balls, border, &()),

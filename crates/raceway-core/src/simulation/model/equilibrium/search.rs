@@ -99,8 +99,8 @@ impl<'a> Search<'a> {
         spindle
     }
 
-    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad].
-    fn touch(&self, contact: &RacewayContact, azimuth: f64, from_centre: Vector, axis: Vector) -> Touch {
+    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `of_ball`: height of the ball [m].
+    fn touch(&self, contact: &RacewayContact, azimuth: f64, of_ball: f64, from_centre: Vector, axis: Vector) -> Touch {
         let axial = dot(from_centre, axis);
         let radial = subtract(from_centre, scale(axial, axis));
         let radius = dot(radial, radial).sqrt();
@@ -114,7 +114,7 @@ impl<'a> Search<'a> {
         } else {
             contact.penetration::<false>(axial, radius)
         };
-        let penetration = ideal + of.height;
+        let penetration = ideal + of.height + of_ball;
         let (load, stiffness) = contact.elastic_load(penetration);
         let mut towards = add(scale(a, axis), scale(r, radial));
         if of.along != 0.0 {
@@ -140,9 +140,11 @@ impl<'a> Search<'a> {
         let at = [place[2 * ball], m.pitch_radius + place[2 * ball + 1], 0.0];
         let (angle, azimuth) = (m.start.angle[ball], self.azimuths[ball]);
         let centre = azimuth.to_orbit(self.spindle(place));
+        let height = m.uneven_balls.get(ball).map(|ball| ball.heights).unwrap_or_default();
+        let axis = azimuth.to_orbit(self.axis);
         PerRaceway {
-            inner: self.touch(&m.raceway.inner, angle, subtract(at, centre), azimuth.to_orbit(self.axis)),
-            outer: self.touch(&m.raceway.outer, angle, at, [1.0, 0.0, 0.0]),
+            inner: self.touch(&m.raceway.inner, angle, height.inner, subtract(at, centre), axis),
+            outer: self.touch(&m.raceway.outer, angle, height.outer, at, [1.0, 0.0, 0.0]),
         }
     }
 

@@ -12,6 +12,8 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::Defects
     } else if !scene.surfaces.raceway.inner.is_ideal() {
         Inapplicable::InnerWaves
+    } else if scene.surfaces.have_uneven_balls() {
+        Inapplicable::BallWaves
     } else if !scene.operation.speed.is_constant() {
         Inapplicable::SpeedChanges
     } else if scene.operating_speed() == 0.0 {

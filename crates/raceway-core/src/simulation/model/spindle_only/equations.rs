@@ -1,7 +1,7 @@
 //! Equations of the spindle alone: four states. Balls orbit equally spaced at the cage's speed, each in radial equilibrium between its
 //! raceways. Corrections of first order include the inertia and the rolling of the balls.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger};
 use crate::numerics::ode::adams_moulton::{Defect, EquationsOfMotion, Motion, Shares};
@@ -77,6 +77,8 @@ pub(crate) struct SpindleOnly {
     force: [f64; 2],
     /// `None`: both raceways are ideal circles.
     waves: Option<Waves>,
+    /// Spin of ideal balls in the orbit frame over spindle speed.
+    turn_ratio: f64,
     /// Longest step that resolves the waves [s].
     longest_step: f64,
 }
@@ -88,6 +90,8 @@ struct Group {
     sine: Lanes,
     /// Azimuths in front of the first ball [rad].
     azimuth: Lanes,
+    /// Place of the first of them.
+    first: usize,
 }
 
 /// Prescribed motion at one time: orbit speed [rad/s], direction of the first pocket, and applied force [N]. Only wavy raceways ask for
@@ -127,6 +131,7 @@ impl SpindleOnly {
                     cosine: of(&|ball| m.start_azimuth(ball).cos()),
                     sine: of(&|ball| m.start_azimuth(ball).sin()),
                     azimuth: of(&|ball| m.start_azimuth(ball)),
+                    first: group * LANES,
                 }
             })
             .collect();
@@ -154,6 +159,7 @@ impl SpindleOnly {
             unbalance: m.unbalance,
             force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
             waves: Waves::of(m),
+            turn_ratio: m.spin_ratio - m.orbit_ratio,
             longest_step: m.longest_wave_step(),
         }
     }
@@ -243,7 +249,7 @@ impl SpindleOnly {
         }
     }
 
-    /// Azimuth of the ball nearest to azimuth 0, which can replace the first because all balls are alike.
+    /// Azimuth of the ball nearest to azimuth 0, which can replace the first because all balls are alike but for their waves.
     #[inline(always)]
     fn first_ball(&self, (angle, _, _): &(f64, f64, f64)) -> f64 {
         let turned = self.orbit_ratio * angle;
@@ -294,7 +300,8 @@ impl SpindleOnly {
             if WAVY {
                 let turning = self.curvature * (speed * radial - tangential_velocity);
                 let speeds = PerRaceway { inner: speed + turning - driven.shaft.1, outer: speed };
-                raised = heights.at(lane).lifts(speeds);
+                let contacts = PerRaceway { inner: speed + turning, outer: speed };
+                raised = heights.at(lane).lifts(speeds, contacts, speed + self.turn_ratio * driven.shaft.1);
                 approach += raised.inner.height + raised.outer.height;
                 rate += raised.inner.rate + raised.outer.rate;
             }
@@ -320,9 +327,8 @@ impl SpindleOnly {
                 inertia += moved * (on_inner.acceleration + on_outer.acceleration)
                     - self.ball_mass * load.outer_share * on_outer.acceleration;
                 // Heights push along the orbit. A rolling ball passes half of the push of either raceway on to the other.
-                let (passed, heights) = (self.rolling * rolls, heights.at(lane));
-                let push = normal * heights.inner.slope * (1.0 - passed)
-                    - (normal + unloaded.force) * heights.outer.slope * passed;
+                let (passed, slopes) = (self.rolling * rolls, heights.at(lane).slopes());
+                let push = normal * slopes.inner * (1.0 - passed) - (normal + unloaded.force) * slopes.outer * passed;
                 dragged += self.curvature * push;
             }
             let slope = moved + (shares.place * load.stiffness + (shares.velocity * self.damping) * load.damped_load);
@@ -352,14 +358,29 @@ impl OnWaves<'_> {
     #[inline(always)]
     fn heights(&self, group: &Group) -> Heights<Lanes> {
         let (driven, ([y, z], _)) = (&self.driven, self.motion);
-        let mut azimuth = PerRaceway::<Lanes>::default();
+        let (mut azimuth, mut longitude) = (PerRaceway::<Lanes>::default(), PerRaceway::<Lanes>::default());
+        let turned = -self.model.turn_ratio * driven.shaft.0;
         for lane in 0..LANES {
             let c = group.cosine[lane] * driven.cosine - group.sine[lane] * driven.sine;
             let s = group.sine[lane] * driven.cosine + group.cosine[lane] * driven.sine;
             let (tilt, on_outer) = (self.model.curvature * (z * c - y * s), driven.first + group.azimuth[lane]);
             azimuth.put(lane, PerRaceway { inner: on_outer - tilt - driven.shaft.0, outer: on_outer });
+            longitude.put(lane, PerRaceway { inner: PI + turned - tilt, outer: turned });
         }
-        self.waves.at(&azimuth)
+        let mut heights = self.waves.at(&azimuth);
+        if self.waves.are_of_balls() {
+            heights.ball = self.waves.of_balls(|lane| self.ball(group, lane), &longitude);
+        }
+        heights
+    }
+
+    /// The ball that is now in a place of a group; `None` in lanes beyond the last one.
+    fn ball(&self, group: &Group, lane: usize) -> Option<usize> {
+        let Self { model, driven, .. } = self;
+        let balls = model.balls as i64;
+        let (place, in_place) = (group.first + lane, (group.first + lane) < model.balls);
+        let passed = ((model.orbit_ratio * driven.shaft.0 - driven.first) * model.spacing.1).round_ties_even() as i64;
+        in_place.then(|| (place as i64 - passed).rem_euclid(balls) as usize)
     }
 }
 
