@@ -183,13 +183,18 @@ pub fn ball_passage(scene: &Scene) -> f64 {
     TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
 }
 
-/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
+/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft or of the cage that carries a defect
+/// through the load.
 pub fn longest_passage(scene: &Scene) -> f64 {
-    let turn = match scene.surfaces.raceway.inner.has_defects() {
-        true => TAU / scene.operating_speed().abs(),
-        false => 0.0,
-    };
-    ball_passage(scene).max(turn)
+    let on = |has_defects: bool, turn: f64| if has_defects { turn } else { 0.0 };
+    let shaft = on(scene.surfaces.raceway.inner.has_defects(), TAU / scene.operating_speed().abs());
+    let cage = on(scene.surfaces.balls_have_defects(), cage_turn(scene));
+    ball_passage(scene).max(shaft).max(cage)
+}
+
+/// Time of a turn of the cage [s]; infinite at rest.
+fn cage_turn(scene: &Scene) -> f64 {
+    scene.bearing.parameters.ball_count as f64 * ball_passage(scene)
 }
 
 /// Times of a verification against a richer model: before its window, and of the window [s].
@@ -197,14 +202,15 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
     let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
-    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene));
+    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_waves(scene));
     (passage.max(settle), (WINDOW_PASSAGES * passage).max(window))
 }
 
-/// Time in which every wave of the inner ring has passed the load, a turn of the shaft [s]; 0 on an ideal inner ring. Waves of the outer ring
-/// repeat with each ball passage.
-fn turn_of_inner_waves(scene: &Scene) -> f64 {
-    if scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() }
+/// Time in which every wave has passed the load [s]: a turn of the shaft for those of the inner ring, a turn of the cage for those of balls, 0
+/// without. Waves of the outer ring repeat with each ball passage.
+fn turn_of_waves(scene: &Scene) -> f64 {
+    let shaft = if scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() };
+    if scene.surfaces.have_uneven_balls() { shaft.max(cage_turn(scene)) } else { shaft }
 }
 
 /// Time that the richer model simulates to verify a reduced one [s].

@@ -524,7 +524,7 @@ mod tests {
             let (along, across) = (y * angle.cos() + z * angle.sin(), z * angle.cos() - y * angle.sin());
             let lean = across / (nominal - along);
             let raised = heights(angle, lean);
-            along - 0.5 * across * lean - clearance + raised.inner.height + raised.outer.height
+            along - 0.5 * across * lean - clearance + raised.raceway.inner.height + raised.raceway.outer.height
         };
         let energy =
             |ball: usize, spindle: [f64; 2], arc: f64| 0.4 * series * approach(ball, spindle, arc).max(0.0).powf(2.5);
@@ -553,7 +553,7 @@ mod tests {
             let found = f64::from(rates.balls[0].arc_velocity[ball]) * m.ball_mass * nominal / m.pitch_radius;
             let load = series * approach(ball, [y, z], 0.0).max(0.0).powf(1.5);
             let raised = heights(m.start_azimuth(ball), 0.0);
-            most = most.max(load * (raised.inner.slope.abs() + raised.outer.slope.abs()) / nominal);
+            most = most.max(load * (raised.raceway.inner.slope.abs() + raised.raceway.outer.slope.abs()) / nominal);
             worst = worst.max((found - along).abs());
         }
         let found = model.defect(turning, [0.0; 2], &rates.passed).force;
