@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
 use crate::scenes::{
-    article, changed, defects, disturbed, everything, model, model_on, rates, scene, uneven_balls, waves,
+    article, axial_waves, changed, defects, disturbed, everything, model, model_on, rates, scene, uneven_balls, waves,
 };
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
@@ -75,7 +75,7 @@ pub fn mirrored_scene(mut json: Value) -> Value {
     if operation.get("misalignment_mrad").is_some() {
         negate(&mut operation["misalignment_mrad"]["y"]);
     }
-    for (list, field) in [("waviness", "phase_deg"), ("defects", "azimuth_deg")] {
+    for (list, field) in [("waviness", "phase_deg"), ("axial_waviness", "phase_deg"), ("defects", "azimuth_deg")] {
         for ring in ["inner", "outer"] {
             let items = json.pointer_mut(&format!("/surfaces/{ring}/{list}")).and_then(Value::as_array_mut);
             for item in items.into_iter().flatten() {
@@ -146,6 +146,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
         ),
         ("waves", of(waves())),
         ("defects", of(defects(0.1))),
+        ("axial waves", of(axial_waves())),
         ("uneven balls", of(uneven_balls(5.0))),
         ("eight balls", of(json!({ "bearing": { "ball_count": 8 } }))),
     ] {

@@ -42,6 +42,16 @@ pub fn waves() -> Value {
     })
 }
 
+/// Grooves whose places along the axis have waves.
+pub fn axial_waves() -> Value {
+    json!({
+        "surfaces": {
+            "inner": { "axial_waviness": [{ "order": 5, "amplitude_nm": 900, "phase_deg": 40 }] },
+            "outer": { "axial_waviness": [{ "order": 20, "amplitude_nm": 300, "phase_deg": -70 }] }
+        }
+    })
+}
+
 /// Surfaces with defects over the whole groove, and with narrow ones whose middle lies `across_mm` beside the groove's bottom. Balls of the
 /// article's case are in them at t = 0 and at 0.23 ms.
 pub fn defects(across_mm: f64) -> Value {

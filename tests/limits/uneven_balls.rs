@@ -14,7 +14,8 @@ use raceway::simulation::result::run_result::RunResult;
 use raceway::simulation::solve::run::simulate;
 use serde_json::{Value, json};
 
-use crate::article_run::patient;
+use crate::article_run::{Y, patient};
+use crate::defects::{assert_near, line, motor, run};
 use crate::scenes::{article, changed, disturbed, everything, model_on, needs, rates, scene, uneven_balls};
 
 /// Largest changes of the energy of a ball over its elastic energy, and of its angular momentum about the ring's axis over that of a wave: a
@@ -79,14 +80,14 @@ fn lost(lateral: f64) -> (f64, f64) {
     (energy_lost / at_start, momentum_lost / turned)
 }
 
-/// Energy and angular momentum are kept; without the lateral force both are off.
+/// Energy and angular momentum are kept. Without the lateral force the energy is off by a tenth of the elastic energy, the angular momentum
+/// by all that the ball's spin gains.
 #[test]
 fn the_lateral_force_keeps_energy_and_angular_momentum() {
     let (energy, momentum) = lost(1.0);
     let (without, momentum_without) = lost(0.0);
-    println!("{energy:e} {momentum:e} {without} {momentum_without}");
     assert!(energy < 1e-8 && momentum < 1e-8, "{energy:e} {momentum:e}");
-    assert!((0.02..0.1).contains(&without) && momentum_without > 0.5, "{without} {momentum_without}");
+    assert!((0.05..0.2).contains(&without) && momentum_without > 0.5, "{without} {momentum_without}");
 }
 
 /// The article's bearing without clearance, load and gravity at 1000 r/min, one ball with a wave of 10 nm.
@@ -153,6 +154,27 @@ fn a_wave_of_a_ball_moves_the_spindle_at_even_orders() {
         let most = lines(&run_on(&one_ball(3), level)).map(|(.., amplitude)| amplitude).fold(0.0, f64::max);
         assert!(most < 0.03, "{level:?}: {most} nm");
     }
+}
+
+/// A ball that falls into a defect of 0.533 mm twice in its turn, as long as the load carries it round: impacts far apart, at 2·BSF with
+/// sidebands of the cage. The envelope is strongest at FTF. Ratios of a spindle on massless balls, by a separate program.
+#[test]
+fn a_defect_of_a_ball_sounds_twice_in_a_turn() {
+    let ball = json!({ "ball": 1, "defects": [{ "diameter_mm": 0.533, "depth_um": 10 }] });
+    let result = run(&motor(json!({ "balls": [ball] })), 1.0);
+    let (_, metrics) = result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap();
+    let f = result.summary.frequencies;
+    let envelope = &result.spectra.iter().find(|spectra| spectra.channel == Y).unwrap().envelope;
+    println!("rms {} kurtosis {:?}", metrics.rms, metrics.kurtosis);
+    let strike = 2.0 * f.ball_spin;
+    let [cage, below, passage, above] = [f.cage, strike - f.cage, strike, strike + f.cage].map(|at| line(envelope, at));
+    assert_near("kurtosis", metrics.kurtosis.unwrap(), 23.0, 0.3);
+    assert_near("2·BSF − FTF over 2·BSF", below / passage, 1.0, 0.3);
+    assert_near("2·BSF + FTF over 2·BSF", above / passage, 0.85, 0.3);
+    assert!(cage > below.max(passage).max(above), "{cage} {below} {passage} {above}");
+    let labels: Vec<&str> =
+        result.summary.lines.iter().filter(|(of, _)| *of == Y).take(10).map(|(_, line)| &*line.label).collect();
+    assert!(labels.iter().all(|label| label.contains("BSF")), "{labels:?}");
 }
 
 /// Waves and defects without height have no effect on the rates, to the last bit.

@@ -73,6 +73,12 @@ pub struct RacewaySurfaceAnswer {
     pub waves: Vec<KeptWaveAnswer>,
     /// Ranges of orders that are not in the model.
     pub left_out: Vec<LeftOutOrdersAnswer>,
+    /// Waves of the groove's place along the axis in the model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axial_waves: Vec<KeptWaveAnswer>,
+    /// Ranges of orders of `axial_waviness` that are not in the model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axial_left_out: Vec<LeftOutOrdersAnswer>,
     /// Defects with a depth above 0, in the order of the request.
     pub defects: Vec<DefectAnswer>,
 }
@@ -204,7 +210,8 @@ impl BallContactAnswer {
 }
 
 impl RacewaySurfaceAnswer {
-    fn of(AveragedSurface { load, contact, waves, .. }: &AveragedSurface, defects: Vec<DefectAnswer>) -> Self {
+    fn of(averaged: &AveragedSurface, defects: Vec<DefectAnswer>) -> Self {
+        let AveragedSurface { load, contact, waves, axial_waves, .. } = averaged;
         Self {
             ball_load_n: *load,
             half_width_um: UM.to_user(contact.half_width),
@@ -212,6 +219,8 @@ impl RacewaySurfaceAnswer {
             kept: waves.kept.len(),
             waves: waves.kept.iter().take(MOST_LISTED).map(KeptWaveAnswer::from).collect(),
             left_out: ranges(waves),
+            axial_waves: axial_waves.kept.iter().map(KeptWaveAnswer::from).collect(),
+            axial_left_out: ranges(axial_waves),
             defects,
         }
     }

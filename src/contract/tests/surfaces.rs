@@ -87,7 +87,11 @@ fn wrong_surfaces_are_refused() {
         ),
         (inner(json!({ "defects": [{ "length_mm": 80, "depth_um": 3 }] })), "inner/defects", "item 0 are no less than"),
         (inner(json!({ "defects": many_defects })), "inner/defects", "17 defects: at most 16"),
-        (inner(json!({ "axial_waviness": [] })), "inner/axial_waviness", "not supported yet"),
+        (
+            inner(json!({ "axial_waviness": [{ "order": 1, "amplitude_nm": 1e6 }] })),
+            "inner/axial_waviness/0/amplitude_nm",
+            "must be from 0 to 100000 nm",
+        ),
         (balls(json!({})), "balls/1/ball", "required, but missing"),
         (balls(json!({ "ball": 0 })), "balls/1/ball", "0: must be from 1 to 64"),
         (balls(json!({ "ball": 1.5 })), "balls/1/ball", "1.5: must be a whole number from 1 to 64"),

@@ -55,6 +55,8 @@ pub struct RacewayContact {
     /// Strips that each carry the load of their mirror image as well.
     folded_strips: MirroredStrips,
     surface: SurfaceProfile,
+    /// Place of the groove along the axis.
+    axial: SurfaceProfile,
     /// Surface of each ball as this raceway averages it; empty where all balls are spheres.
     balls: Arc<[Option<SphereProfile>]>,
 }
@@ -135,6 +137,7 @@ impl RacewayContact {
             strips: MirroredStrips::new(&strips, 1.0),
             folded_strips: MirroredStrips::new(&strips, 2.0),
             surface: SurfaceProfile::None,
+            axial: SurfaceProfile::None,
             balls: Arc::new([]),
         };
         PerRaceway {
@@ -147,6 +150,33 @@ impl RacewayContact {
     pub fn with_surface(mut self, surface: SurfaceProfile) -> Self {
         self.surface = surface;
         self
+    }
+
+    /// The same raceway with a groove whose place along the axis has waves.
+    pub fn with_axial_waves(mut self, axial: SurfaceProfile) -> Self {
+        self.axial = axial;
+        self
+    }
+
+    /// Returns true for an ideal circle in a plane.
+    pub(crate) fn is_circle(&self) -> bool {
+        self.surface.is_ideal() && self.axial.is_ideal()
+    }
+
+    /// Place of the groove along the axis at an azimuth [m].
+    pub fn groove_place(&self, azimuth: f64) -> f64 {
+        self.axial.at(azimuth, 0.0).height
+    }
+
+    /// Refers the axial places of balls to the groove at their azimuths.
+    #[inline(always)]
+    pub(crate) fn place_in_groove(&self, motion: &mut RelativeMotion<Lanes>) {
+        if self.axial.is_ideal() {
+            return;
+        }
+        for lane in 0..LANES {
+            motion.axial[lane] -= self.groove_place(motion.azimuth[lane]);
+        }
     }
 
     /// The same raceway on balls of some surfaces, `None` for a sphere.
@@ -310,7 +340,7 @@ impl RacewayContact {
 
     #[inline(always)]
     fn lifts_of_raceway<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
-        if self.surface.is_ideal() {
+        if self.is_circle() {
             return <(Lanes<N>, Lanes<N>)>::default();
         }
         let (of, places) = self.heights(motion);
@@ -335,7 +365,22 @@ impl RacewayContact {
                 places.put(lane, self.groove.place(motion.axial[lane], motion.radius[lane]));
             }
         }
-        (self.surface.under(&motion.azimuth, &places.place), places)
+        let mut of = self.surface.under(&motion.azimuth, &places.place);
+        if !self.axial.is_ideal() {
+            for lane in 0..N {
+                let (height, by_axial) = (of.at(lane), places.by_ball.0[lane]);
+                let place = (motion.axial[lane], motion.radius[lane]);
+                of.along[lane] += self.along_axial_waves(motion.azimuth[lane], place, height.across * by_axial);
+            }
+        }
+        (of, places)
+    }
+
+    /// Change of the penetration with the azimuth [m/rad], because the place of the groove changes: −x_g' (m_a + h_η η_a). `place`: axial, in
+    /// the groove, and radius [m]; `across`: change of the height with the axial place [-].
+    fn along_axial_waves(&self, azimuth: f64, (axial, radius): (f64, f64), across: f64) -> f64 {
+        let (_, (towards_a, _)) = self.groove.penetration::<false>(axial, radius);
+        -self.axial.at(azimuth, 0.0).along * (towards_a + across)
     }
 
     /// Adds the lean force of a raceway that is not a circle: −Q h_φ/r along the groove, and across it −Q h_η by the change of η with
@@ -356,10 +401,14 @@ impl RacewayContact {
     }
 
     /// Height and slopes of the raceway under a ball at an azimuth on the ring [rad], and the change of the contact's place across the
-    /// groove with the ball's own place, axial and radial [-].
+    /// groove with the ball's own place, axial and radial [-]. `axial`: place of the ball in the groove [m].
     pub(crate) fn height(&self, azimuth: f64, axial: f64, radius: f64) -> (Height, (f64, f64)) {
         let place = if self.surface.is_narrow() { self.groove.place(axial, radius) } else { GroovePlace::default() };
-        (self.surface.at(azimuth, place.place), place.by_ball)
+        let mut of = self.surface.at(azimuth, place.place);
+        if !self.axial.is_ideal() {
+            of.along += self.along_axial_waves(azimuth, (axial, radius), of.across * place.by_ball.0);
+        }
+        (of, place.by_ball)
     }
 
     #[inline(always)]
@@ -382,7 +431,7 @@ impl RacewayContact {
             found.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
         }
         *load = found;
-        if !self.surface.is_ideal() {
+        if !self.is_circle() {
             self.add_lean(motion, load);
         }
         if let Some(on_ball) = on_ball {

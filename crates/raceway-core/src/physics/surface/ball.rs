@@ -54,14 +54,14 @@ const LARGEST_DEVIATION: f64 = 0.01;
 const NAMES: WaveNames = WaveNames {
     waviness: "surfaces.balls.waviness",
     wave: ["surfaces.balls.waviness.order", "surfaces.balls.waviness.amplitude", "surfaces.balls.waviness.phase"],
-    random: [
-        "surfaces.balls.random_waviness.amplitude",
-        "surfaces.balls.random_waviness.at_order",
-        "surfaces.balls.random_waviness.exponent",
-        "surfaces.balls.random_waviness.from_order",
-        "surfaces.balls.random_waviness.to_order",
-    ],
 };
+const RANDOM_OF_A_BALL: [&str; 5] = [
+    "surfaces.balls.random_waviness.amplitude",
+    "surfaces.balls.random_waviness.at_order",
+    "surfaces.balls.random_waviness.exponent",
+    "surfaces.balls.random_waviness.from_order",
+    "surfaces.balls.random_waviness.to_order",
+];
 const RANDOM_OF_EVERY_BALL: [&str; 5] = [
     "surfaces.every_ball.random_waviness.amplitude",
     "surfaces.every_ball.random_waviness.at_order",
@@ -98,7 +98,7 @@ impl BallSurface {
         faults.check("surfaces.balls.diameter_deviation", self.diameter_deviation);
         NAMES.check_waves(&self.waviness, MOST_WAVES, faults);
         for random in &self.random_waviness {
-            random.check(&NAMES.random, faults);
+            random.check(&RANDOM_OF_A_BALL, faults);
         }
         if self.defects.len() > MOST_BALL_DEFECTS {
             let reason = format!("{} defects: at most {MOST_BALL_DEFECTS}", self.defects.len());

@@ -40,6 +40,8 @@ pub struct RacewaySurface {
     pub waviness: Vec<Wave>,
     /// Adds to `waviness`.
     pub random_waviness: Option<RandomWaviness>,
+    /// Waves of the groove's place along +X.
+    pub axial_waviness: Vec<Wave>,
     pub defects: Vec<Defect>,
 }
 
@@ -85,12 +87,13 @@ pub const MOST_WAVES: usize = 64;
 pub(super) struct WaveNames {
     pub(super) waviness: &'static str,
     pub(super) wave: [&'static str; 3],
-    pub(super) random: [&'static str; 5],
 }
 
 /// Names of the parameters of one raceway, in the order of the fields.
 struct Names {
     waves: WaveNames,
+    axial: WaveNames,
+    random: [&'static str; 5],
     defects: &'static str,
     defect: [&'static str; 5],
 }
@@ -104,12 +107,20 @@ const NAMES: PerRaceway<Names> = PerRaceway {
                 "surfaces.inner.waviness.amplitude",
                 "surfaces.inner.waviness.phase",
             ],
-            random: [
-                "surfaces.inner.random_waviness.amplitude",
-                "surfaces.inner.random_waviness.at_order",
-                "surfaces.inner.random_waviness.exponent",
-                "surfaces.inner.random_waviness.from_order",
-                "surfaces.inner.random_waviness.to_order",
+        },
+        random: [
+            "surfaces.inner.random_waviness.amplitude",
+            "surfaces.inner.random_waviness.at_order",
+            "surfaces.inner.random_waviness.exponent",
+            "surfaces.inner.random_waviness.from_order",
+            "surfaces.inner.random_waviness.to_order",
+        ],
+        axial: WaveNames {
+            waviness: "surfaces.inner.axial_waviness",
+            wave: [
+                "surfaces.inner.axial_waviness.order",
+                "surfaces.inner.axial_waviness.amplitude",
+                "surfaces.inner.axial_waviness.phase",
             ],
         },
         defects: "surfaces.inner.defects",
@@ -129,12 +140,20 @@ const NAMES: PerRaceway<Names> = PerRaceway {
                 "surfaces.outer.waviness.amplitude",
                 "surfaces.outer.waviness.phase",
             ],
-            random: [
-                "surfaces.outer.random_waviness.amplitude",
-                "surfaces.outer.random_waviness.at_order",
-                "surfaces.outer.random_waviness.exponent",
-                "surfaces.outer.random_waviness.from_order",
-                "surfaces.outer.random_waviness.to_order",
+        },
+        random: [
+            "surfaces.outer.random_waviness.amplitude",
+            "surfaces.outer.random_waviness.at_order",
+            "surfaces.outer.random_waviness.exponent",
+            "surfaces.outer.random_waviness.from_order",
+            "surfaces.outer.random_waviness.to_order",
+        ],
+        axial: WaveNames {
+            waviness: "surfaces.outer.axial_waviness",
+            wave: [
+                "surfaces.outer.axial_waviness.order",
+                "surfaces.outer.axial_waviness.amplitude",
+                "surfaces.outer.axial_waviness.phase",
             ],
         },
         defects: "surfaces.outer.defects",
@@ -152,6 +171,11 @@ impl Surfaces {
     /// Returns true where no height differs from 0.
     pub fn are_ideal(&self) -> bool {
         self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal() && self.balls.is_empty()
+    }
+
+    /// Returns true where the place of a groove along the axis is wavy.
+    pub(crate) fn have_axial_waves(&self) -> bool {
+        self.raceway.inner.has_axial_waves() || self.raceway.outer.has_axial_waves()
     }
 
     /// Returns true where a raceway or a ball has a defect.
@@ -252,6 +276,12 @@ impl RacewaySurface {
         self.waviness.iter().all(|wave| wave.amplitude == 0.0)
             && self.random_waviness.is_none_or(|random| random.amplitude == 0.0)
             && !self.has_defects()
+            && !self.has_axial_waves()
+    }
+
+    /// Returns true where the groove's place along the axis is wavy.
+    pub(crate) fn has_axial_waves(&self) -> bool {
+        self.axial_waviness.iter().any(|wave| wave.amplitude != 0.0)
     }
 
     /// Returns true where a defect has a depth.
@@ -277,8 +307,9 @@ impl RacewaySurface {
 
     fn check(&self, names: &Names, faults: &mut Faults) {
         names.waves.check_waves(&self.waviness, MOST_WAVES, faults);
+        names.axial.check_waves(&self.axial_waviness, MOST_WAVES, faults);
         if let Some(random) = &self.random_waviness {
-            random.check(&names.waves.random, faults);
+            random.check(&names.random, faults);
         }
         if self.defects.len() > MOST_DEFECTS {
             faults.inconsistent(names.defects, format!("{} defects: at most {MOST_DEFECTS}", self.defects.len()));

@@ -22,6 +22,8 @@ pub enum Inapplicable {
     Misaligned,
     #[error("a defect lies beside the groove's bottom (across_mm) and pushes balls along X")]
     DefectBesideBottom,
+    #[error("waves of a groove along the axis (axial_waviness) push balls along X")]
+    AxialWaves,
     #[error("a defect of a ball lies beside the ball's equator (latitude_deg) and pushes the ball along X")]
     DefectBesideTrack,
     #[error(

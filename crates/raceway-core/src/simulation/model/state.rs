@@ -169,8 +169,8 @@ mod size {
     pub(crate) const ARC_VELOCITY: f64 = 1e-1;
     /// [rad/s]
     pub(crate) const SPIN: f64 = 100.0;
-    /// [rad]
-    pub(crate) const ATTITUDE: f64 = 1e-2;
+    /// An arc over the radius of a ball [rad]. No entry that does not drift has this size.
+    pub(crate) const ATTITUDE: f64 = 5e-3;
     /// [rad]
     pub(crate) const TILT: f64 = 1e-4;
     /// [rad/s]

@@ -24,6 +24,8 @@ pub struct AveragedSurface {
     pub load: f64,
     pub contact: AveragingContact,
     pub waves: SortedWaves,
+    /// Waves of the groove's place along the axis.
+    pub axial_waves: SortedWaves,
     pub defects: Vec<Recess>,
 }
 
@@ -46,6 +48,8 @@ pub fn averaged_surfaces(ideal: &Mechanism, scene: &Scene) -> Option<PerRaceway<
             load,
             contact,
             waves: contact.sorted(surface, index, surfaces.seed),
+            axial_waves: contact
+                .sorted_waves(surface.axial_waviness.iter().copied().filter(|wave| wave.amplitude != 0.0)),
             defects: felt.map(|defect| Recess { defect: *defect, contact: passing }).collect(),
         }
     };
@@ -145,13 +149,18 @@ pub(crate) fn with_surfaces(ideal: Mechanism, scene: &Scene) -> Mechanism {
     let reaches = PerRaceway { inner: limits(&surfaces.inner), outer: limits(&surfaces.outer) };
     let (inner, outer) = (profile(&surfaces.inner), profile(&surfaces.outer));
     let waves_of_balls = balls.iter().flat_map(|ball| [&ball.inner.waves, &ball.outer.waves]);
-    let waves = [&surfaces.inner.waves, &surfaces.outer.waves].into_iter().chain(waves_of_balls);
-    let wave_frequency = waves.map(SortedWaves::highest_frequency).fold(0.0, f64::max);
+    let of_ring = |of: &'_ AveragedSurface| [&of.waves, &of.axial_waves].map(SortedWaves::highest_frequency);
+    let of_rings = of_ring(&surfaces.inner).into_iter().chain(of_ring(&surfaces.outer));
+    let wave_frequency = waves_of_balls.map(SortedWaves::highest_frequency).chain(of_rings).fold(0.0, f64::max);
     let of_balls = balls.iter().flat_map(|ball| ball.inner.defects.iter().chain(&ball.outer.defects));
     let recesses = surfaces.inner.defects.iter().chain(&surfaces.outer.defects).chain(of_balls.map(|of| &of.recess));
     let defect_step = recesses.map(Recess::longest_step).fold(f64::INFINITY, f64::min);
     let PerRaceway { inner: inner_contact, outer: outer_contact } = ideal.raceway.clone();
-    let raceway = PerRaceway { inner: inner_contact.with_surface(inner), outer: outer_contact.with_surface(outer) };
+    let axial = |of: &AveragedSurface| SurfaceProfile::of_waves(&of.axial_waves.averaged());
+    let raceway = PerRaceway {
+        inner: inner_contact.with_surface(inner).with_axial_waves(axial(&surfaces.inner)),
+        outer: outer_contact.with_surface(outer).with_axial_waves(axial(&surfaces.outer)),
+    };
     let surfaced = Mechanism { raceway, wave_frequency, defect_step, defects: reaches, ..ideal };
     if balls.is_empty() { surfaced } else { with_balls(surfaced, &balls) }
 }

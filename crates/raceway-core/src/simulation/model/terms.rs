@@ -210,6 +210,8 @@ impl Decision<'_> {
             Some(Inapplicable::Misaligned)
         } else if scene.surfaces.push_along_axis() {
             Some(Inapplicable::DefectBesideBottom)
+        } else if scene.surfaces.have_axial_waves() {
+            Some(Inapplicable::AxialWaves)
         } else if scene.surfaces.have_defects_beside_track() {
             Some(Inapplicable::DefectBesideTrack)
         } else {

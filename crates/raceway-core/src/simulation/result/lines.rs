@@ -39,6 +39,8 @@ const LARGEST_COST: f64 = 4.2;
 const PLAIN_SIDEBAND: f64 = 1.0;
 /// Share of the tolerance within which a combination fits well.
 const GOOD_FIT: f64 = 0.1;
+/// Share of the tolerance within which orders of a ball's spin fit well. An uneven ball rolls at a speed of its own, some 0.03 % beside the mean.
+const BALL_FIT: f64 = 0.5;
 /// Cost of a deviation at the edge of the tolerance, so that an exact sideband beats a simpler label that deviates. The cost grows with
 /// the root of the deviation: lines of steady motions deviate by less than a hundredth of a bin.
 const DEVIATION_COST: f64 = 3.0;
@@ -156,7 +158,8 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
         // The cage carries a ball through the load.
         let of_defect = sources.inner_defect && combination[0].name == INNER && combination[2].order == 0;
         let of_ball = combination[0].name == BALL;
-        let plain = (sides <= PLAIN_SIDEBAND || of_defect || of_ball) && deviation.abs() <= GOOD_FIT * tolerance;
+        let is_near = |share: f64| deviation.abs() <= share * tolerance;
+        let plain = (sides <= PLAIN_SIDEBAND || of_defect) && is_near(GOOD_FIT) || of_ball && is_near(BALL_FIT);
         if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST && !plain) {
             continue;
         }

@@ -172,6 +172,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.motion.put(lane, motion);
         }
         self.turn_azimuths::<F>(&frames, &mut relative.inner);
+        m.raceway.outer.place_in_groove(&mut relative.outer);
+        m.raceway.inner.place_in_groove(&mut relative.inner);
         let on_balls = m.layout.attitude.then(|| {
             balls.attitude_rates = self.attitude_rates(state, &balls.attitude, shaft);
             self.on_balls::<F>(first, &balls.attitude, &relative, &frames, shaft)
@@ -252,7 +254,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Refers azimuths on the inner raceway to its own axis, where it is not a circle.
     #[inline(always)]
     fn turn_azimuths<F: ContactFrame>(&self, frames: &F::Several, relative: &mut RelativeMotion<Lanes>) {
-        if self.mechanism.raceway.inner.surface().is_ideal() {
+        if self.mechanism.raceway.inner.is_circle() {
             return;
         }
         for lane in 0..LANES {
@@ -317,6 +319,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             frames.put(lane, frame);
         }
         self.turn_azimuths::<F>(&frames, &mut relative);
+        self.mechanism.raceway.inner.place_in_groove(&mut relative);
         let mut load = RacewayLoad::<Lanes>::default();
         let on_balls = self.mechanism.layout.attitude.then(|| {
             let poses = self.poses(first, attitude, shaft);

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
 use crate::physics::raceway::RacewayContact;
-use crate::physics::surface::SurfaceProfile;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
 
@@ -101,12 +100,15 @@ impl<'a> Search<'a> {
 
     /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `of_ball`: height of the ball [m].
     fn touch(&self, contact: &RacewayContact, azimuth: f64, of_ball: f64, from_centre: Vector, axis: Vector) -> Touch {
-        let axial = dot(from_centre, axis);
+        let mut axial = dot(from_centre, axis);
         let radial = subtract(from_centre, scale(axial, axis));
         let radius = dot(radial, radial).sqrt();
-        let (of, place_by_ball) = match contact.surface() {
-            SurfaceProfile::None => Default::default(),
-            _ => contact.height(azimuth + turn_about(axis, radial), axial, radius),
+        let (of, place_by_ball) = if contact.is_circle() {
+            Default::default()
+        } else {
+            let on_ring = azimuth + turn_about(axis, radial);
+            axial -= contact.groove_place(on_ring);
+            contact.height(on_ring, axial, radius)
         };
         let radial = scale(1.0 / radius, radial);
         let (ideal, (a, r)) = if self.mechanism.layout.planar {
