@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
 use crate::scenes::{
-    article, axial_waves, changed, defects, disturbed, everything, model, model_on, rates, scene, uneven_balls, waves,
+    article, axial_waves, changed, defects, disturbed, everything, model, model_on, rates, scene, unequal,
+    uneven_balls, waves,
 };
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
@@ -85,16 +86,21 @@ pub fn mirrored_scene(mut json: Value) -> Value {
             }
         }
     }
-    let balls = json.pointer("/bearing/balls").and_then(Value::as_u64).unwrap_or(7);
-    for ball in json.pointer_mut("/surfaces/balls").and_then(Value::as_array_mut).into_iter().flatten() {
-        ball["ball"] = json!((balls + 1 - ball["ball"].as_u64().unwrap()) % balls + 1);
+    // Ball and pocket j become Z − j.
+    let count = json.pointer("/bearing/ball_count").and_then(Value::as_u64).unwrap_or(7);
+    for item in json.pointer_mut("/surfaces/balls").and_then(Value::as_array_mut).into_iter().flatten() {
+        item["ball"] = json!((count + 1 - item["ball"].as_u64().unwrap()) % count + 1);
         for (list, field) in [("waviness", "phase_deg"), ("defects", "longitude_deg")] {
-            for item in ball.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten() {
-                if item.get(field).is_some() {
-                    negate(&mut item[field]);
+            for part in item.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten() {
+                if part.get(field).is_some() {
+                    negate(&mut part[field]);
                 }
             }
         }
+    }
+    if let Some(pockets) = json.pointer_mut("/bearing/cage/pocket_spacing_mrad").and_then(Value::as_array_mut) {
+        pockets.iter_mut().for_each(negate);
+        pockets[1..].reverse();
     }
     json
 }
@@ -145,6 +151,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
             ),
         ),
         ("waves", of(waves())),
+        ("unequal balls", of(unequal())),
         ("defects", of(defects(0.1))),
         ("axial waves", of(axial_waves())),
         ("uneven balls", of(uneven_balls(5.0))),

@@ -1,10 +1,11 @@
-//! Surfaces of raceways and balls before a run: waves that the contacts average, keep or leave out, and what a ball feels of each defect.
+//! Surfaces before a run: waves that the contacts average, keep or leave out, what a ball feels of each defect, and each ball.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::contract::json::units::{NM, UM, US};
 use raceway_core::physics::bearing::PerRaceway;
+use raceway_core::physics::surface::ball::BallSurface;
 use raceway_core::physics::surface::defects::Recess;
 use raceway_core::physics::surface::waviness::{KeptWave, Omission, SortedWaves};
 use raceway_core::simulation::input::scene::Scene;
@@ -14,7 +15,7 @@ use raceway_core::simulation::model::surfaces::{
 };
 use raceway_core::simulation::model::terms::ActiveTerms;
 
-/// Waves and defects of both raceways and of the balls. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
+/// Waves and defects of both raceways, and each ball. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
 /// static equilibrium at the largest speed, for the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SurfacesAnswer {
@@ -22,21 +23,26 @@ pub struct SurfacesAnswer {
     pub inner: RacewaySurfaceAnswer,
     /// Surface of the outer raceway.
     pub outer: RacewaySurfaceAnswer,
-    /// Balls with waves or defects.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    /// Each ball; empty where all are alike.
     pub balls: Vec<BallSurfaceAnswer>,
 }
 
-/// Waves and defects of one ball.
+/// Surface of one ball.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BallSurfaceAnswer {
     /// Number of the ball, from 1.
     #[schema(minimum = 1)]
     pub ball: usize,
-    /// As the inner raceway averages and feels them.
-    pub inner: BallContactAnswer,
-    /// As the outer raceway averages and feels them.
-    pub outer: BallContactAnswer,
+    /// Deviation of its diameter from `ball_diameter_mm`, given and drawn [µm].
+    pub diameter_um: f64,
+    /// As the inner raceway averages and feels them; absent for a sphere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub inner: Option<BallContactAnswer>,
+    /// As the outer raceway averages and feels them; absent for a sphere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer: Option<BallContactAnswer>,
 }
 
 /// Waves and defects of a ball at one raceway.
@@ -165,7 +171,7 @@ const MOST_LISTED: usize = 64;
 const MOST_OF_BALL: usize = 8;
 
 impl SurfacesAnswer {
-    /// `None` where all raceways are ideal circles and all balls alike spheres.
+    /// `None` where all raceways are ideal circles and all balls are alike.
     pub fn of(scene: &Scene, terms: &ActiveTerms) -> Option<Self> {
         let mechanism = Mechanism::new(scene, terms);
         let PerRaceway { inner, outer } = averaged_surfaces(&mechanism, scene)?;
@@ -183,18 +189,20 @@ impl SurfacesAnswer {
     }
 }
 
-/// Balls with waves or defects; `load`: of the most loaded ball [N].
+/// Each ball, where they differ; `load`: of the most loaded ball [N].
 fn balls(mechanism: &Mechanism, scene: &Scene, load: PerRaceway<f64>) -> Vec<BallSurfaceAnswer> {
     let mass = scene.bearing.ball_mass;
-    let balls = averaged_balls(mechanism, scene).into_iter().enumerate();
-    let is_even = |of: &AveragedBall| of.waves == SortedWaves::default() && of.defects.is_empty();
-    let uneven = balls.filter(|(_, ball)| !is_even(&ball.inner) || !is_even(&ball.outer));
-    let one = |(index, ball): (usize, PerRaceway<AveragedBall>)| BallSurfaceAnswer {
-        ball: index + 1,
-        inner: BallContactAnswer::of(&ball.inner, mass, load.inner),
-        outer: BallContactAnswer::of(&ball.outer, mass, load.outer),
+    let averaged = averaged_balls(mechanism, scene);
+    let one = |(index, surface): (usize, &BallSurface)| {
+        let uneven = averaged.get(index).filter(|_| !surface.is_sphere());
+        BallSurfaceAnswer {
+            ball: index + 1,
+            diameter_um: UM.to_user(surface.diameter_deviation),
+            inner: uneven.map(|ball| BallContactAnswer::of(&ball.inner, mass, load.inner)),
+            outer: uneven.map(|ball| BallContactAnswer::of(&ball.outer, mass, load.outer)),
+        }
     };
-    uneven.map(one).collect()
+    scene.surfaces.balls.iter().enumerate().map(one).collect()
 }
 
 impl BallContactAnswer {

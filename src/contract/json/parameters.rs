@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 135] = [
+const FIELDS: [(&str, &str, Unit); 136] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -118,6 +118,7 @@ const FIELDS: [(&str, &str, Unit); 135] = [
     ("surfaces.outer.defects.depth", "/surfaces/outer/defects/depth_um", UM),
     ("surfaces.outer.defects.across", "/surfaces/outer/defects/across_mm", MM),
     ("surfaces.outer.defects", "/surfaces/outer/defects", NUMBER),
+    ("bearing.cage.pocket_deviations", "/bearing/cage/pocket_spacing_mrad", MRAD),
     ("surfaces.balls.ball", "/surfaces/balls/ball", NUMBER),
     ("surfaces.balls.diameter_deviation", "/surfaces/balls/diameter_um", UM),
     ("surfaces.balls.waviness.order", "/surfaces/balls/waviness/order", NUMBER),

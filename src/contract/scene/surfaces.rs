@@ -207,7 +207,7 @@ fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D
 }
 
 /// Refuses numbers outside their limits, each by its own pointer. `fields`: the parameter's last name, its field, value and unit.
-fn are_within_limits(
+pub(super) fn are_within_limits(
     defaults: &mut Defaults,
     (at, parameters): (&str, &str),
     fields: &[(&str, &str, f64, Unit)],

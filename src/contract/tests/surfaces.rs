@@ -185,14 +185,20 @@ fn a_study_varies_waves() {
         "/surfaces/outer/defects/0/length_mm",
         "/surfaces/outer/defects/0/depth_um",
         "/surfaces/outer/defects/0/azimuth_deg",
+        "/surfaces/balls/1/diameter_um",
+        "/surfaces/balls/1/ball",
+        "/surfaces/every_ball/diameter_spread_um",
+        "/bearing/cage/pocket_spacing_mrad/4",
         "/surfaces/seed",
     ] {
         let request = json!({
             "kind": "study",
             "scene": {
-                "bearing": "article-integrated",
+                "bearing": { "preset": "article-integrated", "cage": { "pocket_spacing_mrad": [0, 0, 1, 0, 0, -1, 0] } },
                 "operation": { "speed_rpm": 50000 },
                 "surfaces": {
+                    "balls": [{ "ball": 1 }, { "ball": 6, "diameter_um": 0.3 }],
+                    "every_ball": {},
                     "inner": { "waviness": [{ "order": 8, "amplitude_nm": 10 }] },
                     "outer": {
                         "random_waviness": { "amplitude_nm": 5 },
@@ -206,6 +212,61 @@ fn a_study_varies_waves() {
         let point = study.into_study().unwrap().point(1).unwrap().scene_json();
         assert_eq!(point.pointer(path).and_then(Value::as_f64), Some(3.0), "{path}");
     }
+}
+
+/// Balls have defaults, and `resolve` tells each diameter, drawn or given. Ten turns of the cage are recorded.
+#[test]
+fn resolve_tells_of_balls() {
+    let answer = resolved(json!({ "balls": [{ "ball": 2 }], "every_ball": { "diameter_spread_um": 0.5 } }), 600.0);
+    let sizes = |answer: &Value| -> Vec<f64> {
+        let balls = answer["derived"]["surfaces"]["balls"].as_array().unwrap();
+        (1..)
+            .zip(balls)
+            .map(|(number, ball)| {
+                assert_eq!(ball["ball"], number);
+                ball["diameter_um"].as_f64().unwrap()
+            })
+            .collect()
+    };
+    let drawn = sizes(&answer);
+    let spread = drawn.iter().copied().fold(f64::MIN, f64::max) - drawn.iter().copied().fold(f64::MAX, f64::min);
+    assert!(drawn.len() == 9 && (spread - 0.5).abs() < 1e-9 && drawn.iter().sum::<f64>().abs() < 1e-9, "{drawn:?}");
+    assert_eq!(answer["scene"]["surfaces"]["balls"], json!([{ "ball": 2, "diameter_um": 0.0 }]));
+    let turns = answer["duration_s"].as_f64().unwrap() * answer["derived"]["frequencies_hz"]["cage"].as_f64().unwrap();
+    assert!((turns - 10.0).abs() < 1e-3, "{turns}");
+    let own = sizes(&resolved(
+        json!({ "balls": [{ "ball": 2, "diameter_um": 1 }], "every_ball": { "diameter_spread_um": 0.5 } }),
+        600.0,
+    ));
+    assert!((own[1] - drawn[1] - 1.0).abs() < 1e-9 && own[2] == drawn[2], "{own:?}");
+}
+
+/// Pockets keep a ball and half their clearance between their centres; each has its deviation.
+#[test]
+fn wrong_pockets_are_refused() {
+    let at = "/scene/bearing/cage/pocket_spacing_mrad";
+    for (spacing, pointer, words) in [
+        (json!([0, 1]), at.to_owned(), "2 values: the cage has 7 pockets"),
+        (json!([0, 0, 600, 0, 0, 0, 0]), at.to_owned(), "pockets 3 and 4 are 1.9"),
+        (json!([0, 0, 0, 0, 0, 0, 1001]), format!("{at}/6"), "1001 mrad: must be from -1000 to 1000 mrad"),
+        (json!(["1", 0]), format!("{at}/0"), "expected a number"),
+    ] {
+        let bearing = json!({ "preset": "article-integrated", "cage": { "pocket_spacing_mrad": spacing } });
+        let body =
+            json!({ "kind": "simulation", "scene": { "bearing": bearing, "operation": { "speed_rpm": 50_000 } } });
+        let Err(Refusal::Invalid { errors }) = parse_job(body.to_string().as_bytes()) else { panic!("{body}") };
+        let [error] = &errors[..] else { panic!("{body}: {errors:?}") };
+        assert!(error.pointer.starts_with(&pointer) && error.detail.contains(words), "{body}: {error:?}");
+    }
+    let clamped = json!({ "balls": [{ "ball": 1, "diameter_um": 20 }] });
+    let tight = json!({ "preset": "article-integrated", "cage": { "pocket_clearance_mm": 0.015 } });
+    let scene = json!({ "bearing": tight, "operation": { "speed_rpm": 50_000 }, "surfaces": clamped });
+    let Err(Refusal::Invalid { errors }) =
+        parse_job(json!({ "kind": "simulation", "scene": scene }).to_string().as_bytes())
+    else {
+        panic!("{scene}")
+    };
+    assert!(errors.len() == 1 && errors[0].detail.contains("its pocket leaves 15.0000 µm"), "{errors:?}");
 }
 
 /// A 6205 with surfaces, and the answer of `resolve`.

@@ -79,18 +79,21 @@ pub struct PocketMotion<T = f64> {
     pub velocity: Vector<T>,
     /// Angular velocity of the ball relative to the cage [rad/s].
     pub spin: Vector<T>,
+    /// Radius of the ball less the nominal one [m].
+    pub oversize: T,
 }
-side_by_side!(PocketMotion { displacement, velocity, spin });
+side_by_side!(PocketMotion { displacement, velocity, spin, oversize });
 
-/// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch) [m], its
-/// rate [m/s], and the unit vector of the force on the ball.
+/// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch of a nominal ball) [m], its
+/// rate [m/s], the unit vector of the force on the ball, and its radius less the nominal one [m].
 #[derive(Debug, Clone, Copy, Default)]
 struct Approach<T = f64> {
     distance: T,
     rate: T,
     normal: Vector<T>,
+    oversize: T,
 }
-side_by_side!(Approach { distance, rate, normal });
+side_by_side!(Approach { distance, rate, normal, oversize });
 
 /// Slopes of the normal load by the ball's motion along the contact normal, for linearly implicit methods.
 #[derive(Debug, Clone, Copy, Default)]
@@ -289,14 +292,17 @@ impl Pocket {
     /// Loads of the solid contacts [N].
     #[inline(always)]
     fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>) -> Lanes<N> {
-        let mut solid = Lanes::default();
-        if !approach.distance.any(|distance| distance > self.clearance) {
+        let (mut solid, mut penetrations) = (Lanes::default(), <Lanes<N>>::default());
+        for lane in 0..N {
+            penetrations[lane] = self.penetration(&approach.at(lane));
+        }
+        if !penetrations.any(|penetration| penetration > 0.0) {
             return solid;
         }
         match self.bar_stiffness {
             None => {
                 for lane in 0..N {
-                    let penetration = approach.distance[lane] - self.clearance;
+                    let penetration = penetrations[lane];
                     let depth = larger(penetration, 0.0) * self.per_clearance;
                     let stiffness = self.solid_stiffness * conformity(depth.sqrt());
                     solid[lane] = normal_load(stiffness, penetration, approach.rate[lane], &self.solid_damping);
@@ -304,7 +310,7 @@ impl Pocket {
             }
             Some(bar) => {
                 for lane in 0..N {
-                    let penetration = larger(approach.distance[lane] - self.clearance, 0.0);
+                    let penetration = larger(penetrations[lane], 0.0);
                     let share = self.contact_share(bar, penetration);
                     let local = if penetration > 0.0 { share } else { 0.0 };
                     let root = (local * self.per_clearance).sqrt();
@@ -335,17 +341,23 @@ impl Pocket {
         root * root
     }
 
+    /// Penetration of a ball into its seat [m]; negative without contact.
+    #[inline(always)]
+    fn penetration(&self, approach: &Approach) -> f64 {
+        approach.distance - (self.clearance - approach.oversize)
+    }
+
     /// Share of the film's damping that acts.
     #[inline(always)]
-    fn damping_share(&self, distance: f64) -> f64 {
-        larger(1.0 - larger(distance - self.clearance, 0.0) * (1.0 / DAMPING_END), 0.0)
-            * smaller(distance * (1.0 / DAMPING_ONSET), 1.0)
+    fn damping_share(&self, approach: &Approach) -> f64 {
+        larger(1.0 - larger(self.penetration(approach), 0.0) * (1.0 / DAMPING_END), 0.0)
+            * smaller(approach.distance * (1.0 / DAMPING_ONSET), 1.0)
     }
 
     /// How the normal load answers to displacements along the normal; a bar in series is taken as rigid, which is stiffer.
     #[inline(always)]
-    fn slopes(&self, &Approach { distance, rate, normal }: &Approach) -> PocketSlopes {
-        let penetration = distance - self.clearance;
+    fn slopes(&self, approach: &Approach) -> PocketSlopes {
+        let (penetration, Approach { rate, normal, .. }) = (self.penetration(approach), *approach);
         let depth = larger(penetration, 0.0) * self.per_clearance;
         let solid = self.solid_stiffness * conformity(depth.sqrt());
         let (stiffness, damping) = normal_slopes(solid, penetration, rate, &self.solid_damping);
@@ -353,22 +365,22 @@ impl Pocket {
         PocketSlopes {
             normal,
             stiffness: film + stiffness,
-            damping: self.film_damping * self.damping_share(distance) + damping,
+            damping: self.film_damping * self.damping_share(approach) + damping,
         }
     }
 
     /// The load along the contact's normal, film and solid.
     #[inline(always)]
     fn normal_part(&self, approach: &Approach, solid: f64) -> PocketLoad {
-        let Approach { distance, rate, normal } = *approach;
-        let damping = self.film_damping * self.damping_share(distance);
-        let film = larger(self.film_stiffness * smaller(distance, self.clearance) + damping * rate, 0.0);
+        let Approach { distance, rate, normal, oversize } = *approach;
+        let damping = self.film_damping * self.damping_share(approach);
+        let film = larger(self.film_stiffness * smaller(distance, self.clearance - oversize) + damping * rate, 0.0);
         let load = if distance > 0.0 { film + solid } else { 0.0 };
         PocketLoad {
             normal: load,
             force: scale(load, normal),
             moment: [0.0; 3],
-            lever: scale(-self.ball_radius, normal),
+            lever: scale(-(self.ball_radius + oversize), normal),
         }
     }
 
@@ -410,7 +422,7 @@ fn seat(s: Vector) -> (f64, Vector) {
 
 #[inline(always)]
 fn approach_at(motion: &PocketMotion, (distance, normal): (f64, Vector)) -> Approach {
-    Approach { distance, rate: -dot(motion.velocity, normal), normal }
+    Approach { distance, rate: -dot(motion.velocity, normal), normal, oversize: motion.oversize }
 }
 
 /// How much a ball's contact with its seat differs from Hertz's, over s = √(δ/C_p), about the radius of the contact over that of the
@@ -443,7 +455,7 @@ mod tests {
     const ALL: PocketTerms = PocketTerms { film: true, friction: true, hydrodynamics: false };
 
     fn at_rest(displacement: Vector) -> PocketMotion {
-        PocketMotion { displacement, velocity: [0.0; 3], spin: [0.0; 3] }
+        PocketMotion { displacement, ..PocketMotion::default() }
     }
 
     /// Pins the wedge: 3.8e4 N/m in the article's case, about a tenth of the untruncated 4e5 N/m.
@@ -519,12 +531,18 @@ mod tests {
     #[test]
     fn film_does_not_pull_and_friction_needs_solid_contact() {
         let pocket = article_pocket(|_| {}, ALL);
-        let leaving =
-            PocketMotion { displacement: [0.0, 10e-6, 0.0], velocity: [0.0, -10.0, 0.0], spin: [1e4, 0.0, 0.0] };
+        let leaving = PocketMotion {
+            displacement: [0.0, 10e-6, 0.0],
+            velocity: [0.0, -10.0, 0.0],
+            spin: [1e4, 0.0, 0.0],
+            oversize: 0.0,
+        };
         assert_eq!(length(pocket.load(&leaving).force), 0.0);
-        let film_only = PocketMotion { displacement: [0.0, 0.0, 20e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0] };
+        let film_only =
+            PocketMotion { displacement: [0.0, 0.0, 20e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0], oversize: 0.0 };
         assert_eq!(pocket.load(&film_only).moment, [0.0; 3]);
-        let solid = PocketMotion { displacement: [0.0, 0.0, 30e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0] };
+        let solid =
+            PocketMotion { displacement: [0.0, 0.0, 30e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0], oversize: 0.0 };
         let load = pocket.load(&solid);
         // Contact point at +z, spin about +x moves the ball's surface there towards −y: friction points to +y
         // and brakes the spin.

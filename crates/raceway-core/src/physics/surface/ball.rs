@@ -77,7 +77,7 @@ impl BallSurface {
     }
 
     /// Returns true for a ball of any diameter without waves and defects.
-    pub(crate) fn is_sphere(&self) -> bool {
+    pub fn is_sphere(&self) -> bool {
         self.waviness.iter().all(|wave| wave.amplitude == 0.0)
             && self.random_waviness.iter().all(|random| random.amplitude == 0.0)
             && !self.has_defects()
@@ -148,6 +148,35 @@ pub(super) fn check_fit(balls: &[GivenBall], every: &EveryBall, bearing: &Bearin
     if every.diameter_spread > most {
         let reason = format!("{} µm: {limit}", 1e6 * every.diameter_spread);
         faults.inconsistent("surfaces.every_ball.diameter_spread", reason);
+    }
+}
+
+/// Refuses balls that their pockets clamp. `surfaces`: of each ball, with drawn diameters; `clearance`: of a nominal ball [m].
+pub(super) fn check_pockets(balls: &[GivenBall], surfaces: &[BallSurface], clearance: f64, faults: &mut Faults) {
+    for (index, BallSurface { diameter_deviation, .. }) in surfaces.iter().enumerate() {
+        if *diameter_deviation >= clearance {
+            let (ball, by, clearance) = (index + 1, 1e6 * diameter_deviation, 1e6 * clearance);
+            let reason = format!("ball {ball} is {by:.4} µm larger than nominal, its pocket leaves {clearance:.4} µm");
+            let is_given =
+                balls.iter().any(|given| given.ball as usize == ball && given.surface.diameter_deviation > 0.0);
+            faults
+                .inconsistent(if is_given { "surfaces.balls" } else { "surfaces.every_ball.diameter_spread" }, reason);
+        }
+    }
+}
+
+/// Refuses balls that overlap. `distances`: between the centres of each ball and the next [m]; `diameter`: the nominal one [m].
+pub(super) fn check_neighbours(surfaces: &[BallSurface], distances: &[f64], diameter: f64, faults: &mut Faults) {
+    for (index, (surface, distance)) in surfaces.iter().zip(distances).enumerate() {
+        let next = (index + 1) % surfaces.len();
+        let radii = diameter + 0.5 * (surface.diameter_deviation + surfaces[next].diameter_deviation);
+        if *distance <= radii {
+            let (ball, next, distance, radii) = (index + 1, next + 1, 1e3 * distance, 1e3 * radii);
+            let reason = format!(
+                "balls {ball} and {next} overlap: their centres are {distance:.4} mm apart, their radii add to {radii:.4} mm"
+            );
+            faults.inconsistent("surfaces.balls", reason);
+        }
     }
 }
 

@@ -231,6 +231,22 @@ impl SurfaceParameters {
         ball::check_fit(&self.balls, &self.every_ball, bearing, faults);
     }
 
+    /// Refuses balls that overlap; `distances`: between the centres of each ball and the next [m], `diameter`: the nominal one [m].
+    pub(crate) fn check_neighbours(&self, distances: &[f64], diameter: f64, faults: &mut Faults) {
+        let surfaces = ball::surfaces(&self.balls, &self.every_ball, distances.len(), self.seed);
+        ball::check_neighbours(&surfaces, distances, diameter, faults);
+    }
+
+    /// Refuses balls that their pockets clamp, by the diametral clearance of a nominal ball [m].
+    pub(crate) fn check_pockets(&self, balls: usize, clearance: f64, faults: &mut Faults) {
+        ball::check_pockets(
+            &self.balls,
+            &ball::surfaces(&self.balls, &self.every_ball, balls, self.seed),
+            clearance,
+            faults,
+        );
+    }
+
     /// The surfaces in a bearing of some balls.
     pub(crate) fn of_balls(self, count: usize) -> Surfaces {
         let Self { raceway, balls, every_ball, seed } = self;

@@ -112,21 +112,23 @@ pub fn sampling_errors_of_quantities(parts: &[Quantities]) -> Option<QuantityErr
 
 /// Deviation of the second half of a run from the first; `None`: the run has fewer than two parts.
 pub fn halves_deviation(parts: &[Quantities]) -> Option<QuantityErrors> {
-    let of_all = |parts: &[Quantities]| {
-        let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
-        let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
-        Quantities {
-            max_load: most(|part| part.max_load),
-            cage_speed: mean(|part| part.cage_speed),
-            out_of_plane: most(|part| part.out_of_plane),
-            max_pocket_load: most(|part| part.max_pocket_load),
-            max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
-            orbit_radius: mean(|part| part.orbit_radius),
-            cage_slip: mean_of_known(parts, |part| part.cage_slip),
-        }
-    };
     let (first, second) = parts.split_at(parts.len() / 2);
-    (!first.is_empty()).then(|| quantity_errors(&[of_all(first)], &[of_all(second)]))
+    (!first.is_empty()).then(|| quantity_errors(&[together(first)], &[together(second)]))
+}
+
+/// Single numbers of several parts of a recording together: the largest of peaks, and means.
+pub(crate) fn together(parts: &[Quantities]) -> Quantities {
+    let most = |of: fn(&Quantities) -> f64| parts.iter().map(of).fold(0.0, f64::max);
+    let mean = |of: fn(&Quantities) -> f64| parts.iter().map(of).sum::<f64>() / parts.len() as f64;
+    Quantities {
+        max_load: most(|part| part.max_load),
+        cage_speed: mean(|part| part.cage_speed),
+        out_of_plane: most(|part| part.out_of_plane),
+        max_pocket_load: most(|part| part.max_pocket_load),
+        max_slip: PerRaceway { inner: most(|part| part.max_slip.inner), outer: most(|part| part.max_slip.outer) },
+        orbit_radius: mean(|part| part.orbit_radius),
+        cage_slip: mean_of_known(parts, |part| part.cage_slip),
+    }
 }
 
 /// Mean over the parts that have a number; `None` where none has.

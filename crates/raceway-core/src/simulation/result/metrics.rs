@@ -255,6 +255,7 @@ pub fn lines(
         spindle_whirl: turns(recording.spindle_whirl()),
         inner_defect: scene.surfaces.raceway.inner.has_defects(),
         odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
+        unequal_balls: scene.has_unequal_balls(),
     };
     let of_channel = |spectra: &ChannelSpectra| {
         let spectrum = match kind {

@@ -34,6 +34,8 @@ const STEP_SHARE: f64 = 0.5;
 pub(crate) struct Problem<'a> {
     pub scene: &'a Scene,
     pub settings: &'a RunSettings,
+    /// Steps of the start-up phase; `None`: the longest fixed steps that do not diverge.
+    startup: Option<Stepping>,
     dynamics: OnceCell<Dynamics>,
 }
 
@@ -73,12 +75,19 @@ pub(crate) struct Trajectory {
 
 impl<'a> Problem<'a> {
     pub fn new(scene: &'a Scene, settings: &'a RunSettings) -> Self {
-        Self { scene, settings, dynamics: OnceCell::new() }
+        Self { scene, settings, startup: None, dynamics: OnceCell::new() }
     }
 
     /// True if the spindle moves along the axis or is tilted, so that light oscillations have little damping.
     pub fn has_axial_motion_or_tilt(&self) -> bool {
         self.dynamics.get().is_some_and(|dynamics| dynamics.model.mechanism().has_axial_motion_or_tilt())
+    }
+
+    /// Makes the later attempts share a start-up phase in other steps. Slow vibration that rejected steps have excited outlasts the rest
+    /// of the settling time, and no repetition from their start would show it.
+    pub fn start_in(&mut self, stepping: Stepping) {
+        self.startup = Some(stepping);
+        self.dynamics.take();
     }
 
     /// The dynamics after the start-up phase, computed once.
@@ -89,7 +98,7 @@ impl<'a> Problem<'a> {
         let terms = active_terms(self.scene, &self.settings.outputs, self.settings.rung)?;
         let model = Model::new(self.scene, &terms);
         let phase = StartupPhase::of(self.scene, &model, self.settings);
-        let start = InitialState::after(&phase, &model, control)?;
+        let start = InitialState::after(&phase, self.startup, &model, control)?;
         Ok(self.dynamics.get_or_init(|| Dynamics { model, terms, start }))
     }
 }

@@ -13,6 +13,7 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::series_sink::SeriesSink;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::series::SeriesInMemory;
 use crate::simulation::result::run_result::RunResult;
 use crate::simulation::solve::assemble::{Solved, assemble};
@@ -58,7 +59,7 @@ fn solve(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result
         (control.progress)(furthest.get());
     };
     let control = &Control { progress: &report_progress, ..*control };
-    let problem = Problem::new(scene, settings);
+    let mut problem = Problem::new(scene, settings);
     let mut plan = Plan::of(scene, settings)?;
     let mut search = Search::default();
     while let Some(candidate) = plan.next() {
@@ -89,6 +90,9 @@ fn solve(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result
                 search.kept = search.kept.take().map(|kept| Kept { report, ..kept });
             }
             Verdict::Reject { cause, refined, report } => {
+                if let (CandidateSteps::Fixed(..), Cause::Deviation { .. }) = (candidate.stepping, &cause) {
+                    problem.start_in(startup_stepping(refined.as_ref(), settings));
+                }
                 search.reject(candidate, attempt, verification, (cause, report), refined, &mut plan);
                 continue;
             }
@@ -184,6 +188,14 @@ impl Search {
         if let Some(refined) = refined {
             plan.insert(refined);
         }
+    }
+}
+
+/// Steps of the start-up phase after a rejection of fixed steps.
+fn startup_stepping(refined: Option<&Candidate>, settings: &RunSettings) -> Stepping {
+    match refined.map(|refined| refined.stepping) {
+        Some(CandidateSteps::Fixed(_, step)) => fixed_step::by(step),
+        _ => Stepping { relative_tolerance: settings.tightest(), ..Stepping::of(settings) },
     }
 }
 

@@ -15,7 +15,7 @@ use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{PART, RATE, REPEATED, kept_values};
 use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run, without_signals};
-use crate::simulation::solve::eligibility::longest_passage;
+use crate::simulation::solve::eligibility::{longest_passage, representative_time, turn_of_unequal_balls};
 use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
 
 /// Tolerance of a repetition over that of the run [-].
@@ -63,11 +63,14 @@ pub(crate) fn by_refinement(
         verification.failure = failure;
         return Ok(verification);
     }
-    let steady = scene.operation.speed.is_constant()
-        && is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
-    // The whole time is compared if the motion is neither periodic nor stationary.
-    let is_windowed = steady && !verification.is_chaotic();
-    let mut window = if is_windowed { refined_window(scene, settings) } else { settings.duration };
+    // The whole time is compared where the motion passes through different states, or is sensitive.
+    let is_windowed = scene.operation.speed.is_constant() && !verification.is_chaotic();
+    let is_even = is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
+    let mut window = match (is_windowed, is_even) {
+        (false, _) => settings.duration,
+        (true, false) => settings.duration.min(whole_parts(representative_time(scene))),
+        (true, true) => refined_window(scene, settings),
+    };
     let repetitions = Repetitions { dynamics, most, control };
     let other = RunSettings { method: independent(trajectory.choice.method), fixed_step: None, ..own.clone() };
     let mut repeating = if damps(trajectory.choice.method) { &other } else { &own };
@@ -123,7 +126,8 @@ pub(crate) fn by_refinement(
     }
     (control.progress)(1.0);
     verification.noise = noise;
-    verification.deviation = Some(if is_windowed { along_the_run(deviation, &attempt.recording) } else { deviation });
+    verification.deviation =
+        Some(if is_windowed && is_even { along_the_run(deviation, &attempt.recording) } else { deviation });
     verification.basis =
         ErrorBasis::Repetition { refinement: refinement(repeating), window, recorded: settings.duration };
     Ok(verification)
@@ -133,9 +137,13 @@ pub(crate) fn by_refinement(
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = WINDOW_PASSAGES * longest_passage(scene);
     let window = if passages.is_finite() { passages.max(REPEATED) } else { REPEATED };
-    // Whole parts: the means of a part that is cut short are not those of the run.
+    settings.duration.min(whole_parts(window.max(turn_of_unequal_balls(scene))))
+}
+
+/// The time of whole parts [s], at least the given one: the means of a part that is cut short are not those of the run.
+fn whole_parts(time: f64) -> f64 {
     let part = PART as f64 / RATE;
-    settings.duration.min((window / part).ceil() * part)
+    (time / part).ceil() * part
 }
 
 /// Whether a method damps fast motion, so that tighter tolerances of the same method share this error.

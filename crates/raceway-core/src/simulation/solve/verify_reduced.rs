@@ -1,9 +1,9 @@
 //! Verification of a reduced model: a window of a richer model, and finer steps.
 
 use crate::simulation::error::codes::{ErrorBasis, Gap, Ineligible};
-use crate::simulation::error::comparison::{Deviation, level_errors, twice};
+use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
 use crate::simulation::error::lyapunov::{self, DivergenceEstimate, Pairs};
-use crate::simulation::error::stationarity::{is_stationary, scattering_level};
+use crate::simulation::error::stationarity::{is_stationary, scattering_level, together};
 use crate::simulation::error::thresholds::{
     BALL_DRIFT, CAGE_SPEED_CHANGE, DIVERGENCE_CAGE_TURNS, IN_PLANE_SINE, INERTIA_OVER_PRELOAD, LEAVING_PLANE_PER_S,
     LEAVING_WINDOW_S, LONG_WINDOW_S, MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE, WINDOW_PASSAGES,
@@ -23,7 +23,7 @@ use crate::simulation::recording::record::{Quantities, Recording};
 use crate::simulation::recording::sampling::{ACCELERATIONS, RATE, REPEATED, kept_values};
 use crate::simulation::recording::windows::Windows;
 use crate::simulation::solve::attempt::{Attempt, Dynamics, Problem, record, run, window_settings};
-use crate::simulation::solve::eligibility::{ball_passage, tilt_risk, window_time};
+use crate::simulation::solve::eligibility::{ball_passage, representative_time, tilt_risk, window_time};
 use crate::simulation::solve::fixed_step;
 use crate::simulation::solve::startup::InitialState;
 use crate::simulation::solve::verification::{Verification, along_the_run, or_failure};
@@ -53,14 +53,23 @@ pub(crate) fn by_richer_model(
         Err(failure) => return Ok(Verification { failure: Some(failure), ..Verification::default() }),
     };
     let Compared { mut deviation, own, richer, richer_level, leaves } = compared;
-    let whole = is_condensed && !is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
-    // The whole time is compared if the motion is neither periodic nor stationary.
+    let is_uneven = is_condensed && !is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
+    // Motion that is neither periodic nor stationary is compared over a time that represents it.
+    let represented = match scene.operation.speed.is_constant() {
+        true => settings.duration.min(representative_time(scene)),
+        false => settings.duration,
+    };
     let mut course = None;
     if is_condensed {
         let finer = |settings: &RunSettings| finer_run(scene, settings, &stepped, control);
-        if whole {
-            let finer = or_failure(control.part((0.5, 0.75), |_| finer(settings)))?.ok().flatten();
-            let of = |finer: &Recording| Deviation::of_recordings(&attempt.recording, finer, 0.0);
+        if is_uneven {
+            let over = RunSettings { duration: represented, ..settings.clone() };
+            let finer = or_failure(control.part((0.5, 0.75), |_| finer(&over)))?.ok().flatten();
+            let unseen = (1.0 - represented / settings.duration).max(0.0).sqrt();
+            let of = |finer: &Recording| match represented < settings.duration {
+                true => of_beginning(&attempt.recording, finer, unseen),
+                false => Deviation::of_recordings(&attempt.recording, finer, unseen),
+            };
             course = finer.as_ref().map(|finer| of(finer).of_asked(&settings.outputs));
         } else {
             if let Some(by_steps) = attempt.step_deviation {
@@ -83,7 +92,12 @@ pub(crate) fn by_richer_model(
     let divergence = match or_failure(control.part((0.75, 1.0), |control| {
         let first = if is_condensed { &attempt.recording } else { &richer };
         let of = if is_condensed { &stepped } else { &short };
-        divergence(scene, of, first, whole || !is_condensed, control)
+        let window = match (is_condensed, is_uneven) {
+            (true, true) => represented,
+            (true, false) => settled_window(scene, of),
+            (false, _) => of.duration,
+        };
+        divergence(scene, of, first, window, control)
     }))? {
         // If nothing turns, two trajectories may keep a constant distance for ever.
         Ok(divergence) => Some(divergence).filter(|_| turns),
@@ -102,11 +116,20 @@ pub(crate) fn by_richer_model(
         deviation: Some(deviation).filter(|_| unknown.is_none()),
         basis: ErrorBasis::RicherModel { level: richer_level, window },
         divergence,
-        is_whole: whole,
+        is_whole: is_uneven && represented >= settings.duration,
         gap,
         course,
         ..Verification::default()
     })
+}
+
+/// Deviation of the beginning of a run from its repetition. `unseen`: root of the share of the run that was not repeated.
+fn of_beginning(run: &Recording, again: &Recording, unseen: f64) -> Deviation {
+    let beginning = &run.parts[..again.parts.len().min(run.parts.len())];
+    Deviation {
+        levels: level_errors(&twice(run, again), |twice| twice.error_db(unseen)),
+        quantities: Some(quantity_errors(&[together(beginning)], &[together(&again.parts)])),
+    }
 }
 
 /// The short run that verifies a reduced model.
@@ -206,13 +229,13 @@ fn finer_run(
     Ok(Some(radially_condensed::simulate_perturbed(scene, [0.0; 2], &finer, control)?.0))
 }
 
-/// Divergence of a trajectory of the condensed model that starts next to a recorded one. `whole`: over the whole recorded time. Otherwise a window
-/// is used while a disturbance does not appear to grow.
+/// Divergence of a trajectory of the condensed model that starts next to a recorded one: over a window [s], and over the whole recorded time where
+/// a disturbance appears to grow.
 fn divergence(
     scene: &Scene,
     settings: &RunSettings,
     first: &Recording,
-    whole: bool,
+    window: f64,
     control: &Control<'_>,
 ) -> Result<DivergenceEstimate, SimulationError> {
     let over = |duration: f64| {
@@ -223,8 +246,7 @@ fn divergence(
         let spacing = Windows::of(kept_values(duration)).length;
         Ok(lyapunov::of_signals(&pairs, spacing, DISPLACEMENT / STATIC_DISPLACEMENT, settings.settle, RATE))
     };
-    let window = settled_window(scene, settings);
-    if whole || window >= settings.duration {
+    if window >= settings.duration {
         return over(settings.duration);
     }
     let estimate = over(window)?;

@@ -54,9 +54,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             pitch_radius: mechanism.pitch_radius,
             orbit_ratio: mechanism.orbit_ratio,
             spin_ratio: mechanism.spin_ratio,
-            mass: mechanism.ball_mass,
-            inertia: mechanism.ball_inertia,
-            weight: mechanism.ball_mass * mechanism.gravity,
+            gravity: mechanism.gravity,
             axial_offset: mechanism.axial_offset,
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
         };
@@ -161,10 +159,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
+        let bodies = m.bodies[first / LANES];
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
-            let motion = one.motion(start[lane], &state.at(lane), shaft);
+            let motion = one.motion((start[lane], bodies.oversize[lane]), &state.at(lane), shaft);
             let (inner, frame) = one.over_inner::<F>(&motion, &spindle, shaft, &axis);
             relative.outer.put(lane, one.over_outer(&motion));
             relative.inner.put(lane, inner);
@@ -231,7 +230,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 Wrench { force: [0.0, 0.0, drag_force[lane]], moment: scale(-churning_factor[lane], motion.spin) };
             let wrench = inner.and(Wrench { force, moment }).and(pocket).and(surroundings);
             balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
-            balls.rates.put(lane, one.rates(&state.at(lane), &motion, wrench, shaft));
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.at(lane), wrench, shaft));
         }
         if let Some(watch) = watch {
             for lane in 0..LANES.min(m.layout.balls - first) {
@@ -357,13 +356,18 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         parts
     }
 
-    /// Rates of the balls caused by an additional wrench.
+    /// Rates of the balls from `first` on caused by an additional wrench.
     #[inline(always)]
-    pub(super) fn ball_response(&self, motion: &BallMotion<Lanes>, wrench: &Wrench<Lanes>) -> BallState<Lanes> {
-        let one = self.one;
+    pub(super) fn ball_response(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        wrench: &Wrench<Lanes>,
+    ) -> BallState<Lanes> {
+        let (one, bodies) = (self.one, self.mechanism.bodies[first / LANES]);
         let mut response = BallState::<Lanes>::default();
         for lane in 0..LANES {
-            response.put(lane, one.response(&motion.at(lane), wrench.at(lane)));
+            response.put(lane, one.response(&motion.at(lane), &bodies.at(lane), wrench.at(lane)));
         }
         response
     }

@@ -130,7 +130,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 for lane in 0..LANES {
                     change.put(lane, is.at(lane).less(&was.at(lane)));
                 }
-                let response = self.ball_response(&balls.motion, &change);
+                let response = self.ball_response(first, &balls.motion, &change);
                 let per = 1.0 / of_border[column];
                 let (response, part) = (response.entries(PLANAR), jacobian.right.group_mut(group));
                 for row in 0..motion {

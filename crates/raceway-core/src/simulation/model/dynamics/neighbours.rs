@@ -20,13 +20,14 @@ fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion) -> 
         displacement: subtract(place(first), place(second)),
         velocity: subtract(velocity(first), velocity(second)),
         spin: add(spin(first), spin(second)),
+        oversize: first.oversize + second.oversize,
     })
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     fn ball_motion(&self, y: &[f64], ball: usize, shaft: Shaft) -> BallMotion {
-        self.one().motion(self.mechanism().start.angle[ball], &self.layout().ball(y, ball), shaft)
+        self.one().motion(self.mechanism().start_and_oversize(ball), &self.layout().ball(y, ball), shaft)
     }
 
     /// Adds the contacts of neighbouring balls to the rates of all balls, and passes the load of each ball's next one to `seen`. A pair of
@@ -51,7 +52,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 for (index, motion, side) in [(index, &ball, 1.0), (next_index, &next, -1.0)] {
                     let force = motion.azimuth.to_orbit(load.force).map(|force| side * force);
                     let moment = motion.azimuth.to_orbit(load.moment);
-                    let response = one.response(motion, Wrench { force, moment });
+                    let response = one.response(motion, &self.mechanism().body(index), Wrench { force, moment });
                     let rates = layout.ball(dy, index).combined(1.0, &response, 1.0);
                     layout.set_ball(dy, index, &rates);
                 }
@@ -75,6 +76,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let (balls, motion) = (layout.balls, layout.motion_size());
         let motions: Vec<BallMotion> = (0..balls).map(|ball| self.ball_motion(y, ball, shaft)).collect();
         for ball in 0..balls {
+            let body = self.mechanism().body(ball);
             let (before, after) = ((ball + balls - 1) % balls, (ball + 1) % balls);
             let sides = if before == after { &[after][..] } else { &[before, after] };
             let loads = |motion: &BallMotion| {
@@ -84,7 +86,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     let [force, moment] = [force, moment].map(|v| motion.azimuth.to_orbit(v));
                     wrench = wrench.and(Wrench { force, moment });
                 }
-                one.response(motion, wrench).entries(PLANAR)
+                one.response(motion, &body, wrench).entries(PLANAR)
             };
             let undisplaced = loads(&motions[ball]);
             let own = layout.ball(y, ball).entries(PLANAR);
@@ -93,7 +95,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let mut entries = own;
                 entries[column] += by;
                 let state = BallState::from_entries(entries, PLANAR);
-                let displaced = loads(&one.motion(self.mechanism().start.angle[ball], &state, shaft));
+                let displaced = loads(&one.motion(self.mechanism().start_and_oversize(ball), &state, shaft));
                 for row in 0..motion {
                     *jacobian.blocks.entry_mut(ball, row, column) += (displaced[row] - undisplaced[row]) / by;
                 }

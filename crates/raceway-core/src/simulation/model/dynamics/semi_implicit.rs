@@ -264,7 +264,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
                     balls.rates.put(lane, balls.rates.at(lane).combined(1.0, &caused.at(lane), 1.0));
                 }
             }
-            dynamics.correct(&past, &predicted, balls, slopes, share, corrected);
+            dynamics.correct(first, &past, &predicted, balls, slopes, share, corrected);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
             if let Some([attitude, _]) = now.attitudes.get(group) {
                 let states = [&now.balls[group], &corrected.state];

@@ -98,8 +98,15 @@ impl<'a> Search<'a> {
         spindle
     }
 
-    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `of_ball`: height of the ball [m].
-    fn touch(&self, contact: &RacewayContact, azimuth: f64, of_ball: f64, from_centre: Vector, axis: Vector) -> Touch {
+    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `raised`: its radius less the nominal one with the
+    /// height of its surface [m].
+    fn touch(
+        &self,
+        contact: &RacewayContact,
+        (azimuth, raised): (f64, f64),
+        from_centre: Vector,
+        axis: Vector,
+    ) -> Touch {
         let mut axial = dot(from_centre, axis);
         let radial = subtract(from_centre, scale(axial, axis));
         let radius = dot(radial, radial).sqrt();
@@ -116,7 +123,7 @@ impl<'a> Search<'a> {
         } else {
             contact.penetration::<false>(axial, radius)
         };
-        let penetration = ideal + of.height + of_ball;
+        let penetration = ideal + (of.height + raised);
         let (load, stiffness) = contact.elastic_load(penetration);
         let mut towards = add(scale(a, axis), scale(r, radial));
         if of.along != 0.0 {
@@ -140,13 +147,14 @@ impl<'a> Search<'a> {
     fn touches(&self, place: &DVector<f64>, ball: usize) -> PerRaceway<Touch> {
         let m = self.mechanism;
         let at = [place[2 * ball], m.pitch_radius + place[2 * ball + 1], 0.0];
-        let (angle, azimuth) = (m.start.angle[ball], self.azimuths[ball]);
+        let ((angle, oversize), azimuth) = (m.start_and_oversize(ball), self.azimuths[ball]);
         let centre = azimuth.to_orbit(self.spindle(place));
         let height = m.uneven_balls.get(ball).map(|ball| ball.heights).unwrap_or_default();
         let axis = azimuth.to_orbit(self.axis);
+        let raised = |height: f64| (angle, oversize + height);
         PerRaceway {
-            inner: self.touch(&m.raceway.inner, angle, height.inner, subtract(at, centre), axis),
-            outer: self.touch(&m.raceway.outer, angle, height.outer, at, [1.0, 0.0, 0.0]),
+            inner: self.touch(&m.raceway.inner, raised(height.inner), subtract(at, centre), axis),
+            outer: self.touch(&m.raceway.outer, raised(height.outer), at, [1.0, 0.0, 0.0]),
         }
     }
 
@@ -158,9 +166,9 @@ impl<'a> Search<'a> {
 
     /// Radial body force on a ball, weight and centrifugal force [N], and its slope [N/m].
     fn body_force(&self, ball: usize, radius: f64) -> (f64, f64) {
-        let m = self.mechanism;
-        let spring = m.ball_mass * self.orbit_speed * self.orbit_speed;
-        (m.ball_mass * m.gravity * self.azimuths[ball].cosine + spring * radius, spring)
+        let (m, mass) = (self.mechanism, self.mechanism.body(ball).mass);
+        let spring = mass * self.orbit_speed * self.orbit_speed;
+        (mass * m.gravity * self.azimuths[ball].cosine + spring * radius, spring)
     }
 
     fn energy(&self, place: &DVector<f64>) -> f64 {

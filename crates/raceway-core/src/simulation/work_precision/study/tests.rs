@@ -29,6 +29,7 @@ fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
         raceway_damping: DampingLaw::Restitution { restitution: 0.85, at_speed: 0.1 },
         terms: Terms::default(),
         surfaces: SurfaceParameters::default(),
+        pocket_deviations: Vec::new(),
         gravity: 9.81,
     })
     .unwrap()

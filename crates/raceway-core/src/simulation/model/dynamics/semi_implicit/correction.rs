@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side};
+use crate::physics::ball::BallBody;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
@@ -158,10 +159,11 @@ impl Resistance {
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
-    /// Balls at the end of a step: one step of Newton from the predicted state.
+    /// Balls from `first` on at the end of a step: one step of Newton from the predicted state.
     #[inline(always)]
     pub(super) fn correct(
         &self,
+        first: usize,
         past: &BallState<Lanes>,
         predicted: &BallState<Lanes>,
         balls: &Balls,
@@ -170,8 +172,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         corrected: &mut Corrected,
     ) {
         let m = self.mechanism();
-        let (mass, inertia, radius) = (m.ball_mass, m.ball_inertia, m.ball_radius);
+        let (bodies, nominal) = (m.bodies[first / LANES], m.ball_radius);
         for lane in 0..LANES {
+            let BallBody { oversize, mass, inertia, .. } = bodies.at(lane);
+            let radius = nominal + oversize;
             let (old, from, rates) = (past.at(lane), predicted.at(lane), balls.rates.at(lane));
             let PerRaceway { inner, outer } =
                 PerRaceway { inner: slopes.raceway.inner.at(lane), outer: slopes.raceway.outer.at(lane) };
