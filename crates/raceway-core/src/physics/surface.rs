@@ -110,9 +110,18 @@ impl SurfaceProfile {
         }
     }
 
-    /// Heights and slopes under several balls. A call of its own: scenes with ideal circles keep their loops as they are.
-    #[inline(never)]
+    /// Heights and slopes under several balls.
+    #[inline(always)]
     pub(crate) fn under<const N: usize>(&self, azimuth: &Lanes<N>, place: &Lanes<N>) -> Height<Lanes<N>> {
+        match self {
+            Self::Table(table) => table.under(azimuth),
+            _ => self.under_each(azimuth, place),
+        }
+    }
+
+    /// Heights and slopes under several balls, one after the other. A call of its own: other scenes keep their loops short.
+    #[inline(never)]
+    fn under_each<const N: usize>(&self, azimuth: &Lanes<N>, place: &Lanes<N>) -> Height<Lanes<N>> {
         let mut of = Height::<Lanes<N>>::default();
         for lane in 0..N {
             of.put(lane, self.at(azimuth[lane], place[lane]));

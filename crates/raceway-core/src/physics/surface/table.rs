@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::defects::{Recess, wrapped};
-use super::height::Rise;
+use super::height::{Height, Rise};
 use super::waviness::{HIGHEST_ORDER, Wave};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::ROUND;
@@ -79,15 +79,37 @@ impl HeightTable {
         (piece.height(u), piece.slope(u) * self.knots_per_radian())
     }
 
-    /// Heights with both derivatives at several azimuths [rad]. Knots are fetched one by one; the arithmetic runs side by side.
+    /// Heights and slopes at several azimuths [rad].
     #[inline(always)]
-    pub(super) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
-        let (mut ends, mut place) = (<(Knot<Lanes<N>>, Knot<Lanes<N>>)>::default(), Lanes::<N>::default());
+    pub(super) fn under<const N: usize>(&self, azimuth: &Lanes<N>) -> Height<Lanes<N>> {
+        let (ends, place) = self.knots_at_each(azimuth);
+        let per_radian = self.knots_per_radian();
+        let mut heights = Height::<Lanes<N>>::default();
+        for lane in 0..N {
+            let ((a, b), u) = (ends.at(lane), place[lane]);
+            let piece = Piece::between(&a, &b);
+            heights.put(lane, Height { height: piece.height(u), along: piece.slope(u) * per_radian, across: 0.0 });
+        }
+        heights
+    }
+
+    /// The knots before and after several azimuths [rad], and their places between them. Knots are fetched one by one, so that the
+    /// arithmetic runs side by side.
+    #[inline(always)]
+    fn knots_at_each<const N: usize>(&self, azimuth: &Lanes<N>) -> (Ends<N>, Lanes<N>) {
+        let (mut ends, mut place) = (Ends::<N>::default(), Lanes::<N>::default());
         for lane in 0..N {
             let (a, b, u) = self.knots_at(azimuth[lane]);
             ends.put(lane, (*a, *b));
             place[lane] = u;
         }
+        (ends, place)
+    }
+
+    /// Heights with both derivatives at several azimuths [rad].
+    #[inline(always)]
+    pub(super) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
+        let (ends, place) = self.knots_at_each(azimuth);
         let per_radian = self.knots_per_radian();
         let mut rises = Rise::<Lanes<N>>::default();
         for lane in 0..N {
@@ -121,6 +143,9 @@ impl HeightTable {
         (&self.knots[knot], &self.knots[knot + 1], place - knot as f64)
     }
 }
+
+/// Knots before and after several azimuths.
+type Ends<const N: usize> = (Knot<Lanes<N>>, Knot<Lanes<N>>);
 
 /// The polynomial between two knots, h + u h' + u² half + u³ (c₃ + u (c₄ + u c₅)).
 struct Piece {
