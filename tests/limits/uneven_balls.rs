@@ -165,7 +165,6 @@ fn a_defect_of_a_ball_sounds_twice_in_a_turn() {
     let (_, metrics) = result.summary.channels.iter().find(|(channel, _)| *channel == Y).unwrap();
     let f = result.summary.frequencies;
     let envelope = &result.spectra.iter().find(|spectra| spectra.channel == Y).unwrap().envelope;
-    println!("rms {} kurtosis {:?}", metrics.rms, metrics.kurtosis);
     let strike = 2.0 * f.ball_spin;
     let [cage, below, passage, above] = [f.cage, strike - f.cage, strike, strike + f.cage].map(|at| line(envelope, at));
     assert_near("kurtosis", metrics.kurtosis.unwrap(), 23.0, 0.3);
