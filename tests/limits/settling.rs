@@ -40,7 +40,7 @@ fn levels(scene: &Scene, settle: f64) -> ([f64; 2], Vec<Warning>) {
 /// Where the attempts at a run begin: after a start-up phase that all of them reuse, or at rest.
 fn beginning(scene: &Scene, settings: &RunSettings) -> InitialState {
     let model = Model::new(scene, &active_terms(scene, &settings.outputs, settings.rung).unwrap());
-    InitialState::settled(&StartupPhase::of(scene, &model, settings), &model, &patient()).unwrap()
+    InitialState::after(&StartupPhase::of(scene, &model, settings), None, &model, &patient()).unwrap()
 }
 
 fn apart(a: [f64; 2], b: [f64; 2]) -> f64 {

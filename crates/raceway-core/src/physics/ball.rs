@@ -20,10 +20,8 @@ pub(crate) struct BallMotion<T = f64> {
     pub velocity: Vector<T>,
     /// [rad/s]
     pub spin: Vector<T>,
-    /// Radius of the ball less the nominal one [m].
-    pub oversize: T,
 }
-side_by_side!(BallMotion { azimuth_angle, azimuth, axial, radius, orbit_speed, velocity, spin, oversize });
+side_by_side!(BallMotion { azimuth_angle, azimuth, axial, radius, orbit_speed, velocity, spin });
 
 /// Size and mass of a ball.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -98,7 +96,6 @@ mod tests {
             orbit_speed: speed,
             velocity: [0.5, -1.5, radius * speed],
             spin: [1.0, 2.0, 3.0],
-            oversize: 0.0,
         };
         let a = motion.acceleration([0.0; 3], [0.0; 3], &BallBody::default());
         // d²/dt² of (r cos θ, r sin θ) must vanish.

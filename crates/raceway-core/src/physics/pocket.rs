@@ -46,6 +46,8 @@ pub struct Pocket {
     friction: f64,
     friction_speed: f64,
     hydrodynamics: Option<PocketHydrodynamics>,
+    /// Radius of the largest ball less the nominal one [m]; `None`: all balls are alike.
+    largest_oversize: Option<f64>,
 }
 
 /// Which parts of the pocket force a model contains.
@@ -79,21 +81,20 @@ pub struct PocketMotion<T = f64> {
     pub velocity: Vector<T>,
     /// Angular velocity of the ball relative to the cage [rad/s].
     pub spin: Vector<T>,
-    /// Radius of the ball less the nominal one [m].
+    /// Radius of the ball less the nominal one [m]; only pockets of unequal balls ask for it.
     pub oversize: T,
 }
 side_by_side!(PocketMotion { displacement, velocity, spin, oversize });
 
 /// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch of a nominal ball) [m], its
-/// rate [m/s], the unit vector of the force on the ball, and its radius less the nominal one [m].
+/// rate [m/s], and the unit vector of the force on the ball.
 #[derive(Debug, Clone, Copy, Default)]
 struct Approach<T = f64> {
     distance: T,
     rate: T,
     normal: Vector<T>,
-    oversize: T,
 }
-side_by_side!(Approach { distance, rate, normal, oversize });
+side_by_side!(Approach { distance, rate, normal });
 
 /// Slopes of the normal load by the ball's motion along the contact normal, for linearly implicit methods.
 #[derive(Debug, Clone, Copy, Default)]
@@ -151,7 +152,19 @@ impl Pocket {
             friction: if terms.friction { cage.friction } else { 0.0 },
             friction_speed: cage.friction_speed,
             hydrodynamics: terms.hydrodynamics.then(|| wedge.hydrodynamics()),
+            largest_oversize: None,
         }
+    }
+
+    /// The same pockets for balls that differ in size; `largest`: radius of the largest less the nominal one [m].
+    pub(crate) fn with_unequal_balls(self, largest: f64) -> Self {
+        Self { largest_oversize: Some(largest), ..self }
+    }
+
+    /// The pocket as a ball of its own size meets it, by its radius less the nominal one [m]: the seat is the same.
+    #[inline(always)]
+    fn of_ball(self, oversize: f64) -> Self {
+        Self { ball_radius: self.ball_radius + oversize, clearance: self.clearance - oversize, ..self }
     }
 
     /// `C_p`, half the diametral pocket clearance [m].
@@ -210,8 +223,17 @@ impl Pocket {
     ) {
         let approach = self.approaches(motion);
         let pocket = *self;
-        for lane in 0..N {
-            slopes.put(lane, pocket.slopes(&approach.at(lane)));
+        match pocket.largest_oversize {
+            None => {
+                for lane in 0..N {
+                    slopes.put(lane, pocket.slopes(&approach.at(lane)));
+                }
+            }
+            Some(_) => {
+                for lane in 0..N {
+                    slopes.put(lane, pocket.of_ball(motion.oversize[lane]).slopes(&approach.at(lane)));
+                }
+            }
         }
         self.loads_at(motion, &approach, load);
     }
@@ -246,9 +268,19 @@ impl Pocket {
         load: &mut PocketLoad<Lanes<N>>,
     ) {
         let pocket = *self;
-        let solid = pocket.solid_loads(approach);
-        for lane in 0..N {
-            load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+        let solid = pocket.solid_loads(approach, &motion.oversize);
+        match pocket.largest_oversize {
+            None => {
+                for lane in 0..N {
+                    load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+                }
+            }
+            Some(_) => {
+                for lane in 0..N {
+                    let pocket = pocket.of_ball(motion.oversize[lane]);
+                    load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+                }
+            }
         }
         match pocket.hydrodynamics {
             Some(hydrodynamics) => {
@@ -291,13 +323,15 @@ impl Pocket {
 
     /// Loads of the solid contacts [N].
     #[inline(always)]
-    fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>) -> Lanes<N> {
-        let (mut solid, mut penetrations) = (Lanes::default(), <Lanes<N>>::default());
-        for lane in 0..N {
-            penetrations[lane] = self.penetration(&approach.at(lane));
-        }
-        if !penetrations.any(|penetration| penetration > 0.0) {
+    fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>, oversize: &Lanes<N>) -> Lanes<N> {
+        let mut solid = Lanes::default();
+        let least = self.clearance - self.largest_oversize.unwrap_or(0.0);
+        if !approach.distance.any(|distance| distance > least) {
             return solid;
+        }
+        let mut penetrations = <Lanes<N>>::default();
+        for lane in 0..N {
+            penetrations[lane] = approach.distance[lane] - (self.clearance - oversize[lane]);
         }
         match self.bar_stiffness {
             None => {
@@ -341,23 +375,17 @@ impl Pocket {
         root * root
     }
 
-    /// Penetration of a ball into its seat [m]; negative without contact.
-    #[inline(always)]
-    fn penetration(&self, approach: &Approach) -> f64 {
-        approach.distance - (self.clearance - approach.oversize)
-    }
-
     /// Share of the film's damping that acts.
     #[inline(always)]
-    fn damping_share(&self, approach: &Approach) -> f64 {
-        larger(1.0 - larger(self.penetration(approach), 0.0) * (1.0 / DAMPING_END), 0.0)
-            * smaller(approach.distance * (1.0 / DAMPING_ONSET), 1.0)
+    fn damping_share(&self, distance: f64) -> f64 {
+        larger(1.0 - larger(distance - self.clearance, 0.0) * (1.0 / DAMPING_END), 0.0)
+            * smaller(distance * (1.0 / DAMPING_ONSET), 1.0)
     }
 
     /// How the normal load answers to displacements along the normal; a bar in series is taken as rigid, which is stiffer.
     #[inline(always)]
-    fn slopes(&self, approach: &Approach) -> PocketSlopes {
-        let (penetration, Approach { rate, normal, .. }) = (self.penetration(approach), *approach);
+    fn slopes(&self, &Approach { distance, rate, normal }: &Approach) -> PocketSlopes {
+        let penetration = distance - self.clearance;
         let depth = larger(penetration, 0.0) * self.per_clearance;
         let solid = self.solid_stiffness * conformity(depth.sqrt());
         let (stiffness, damping) = normal_slopes(solid, penetration, rate, &self.solid_damping);
@@ -365,22 +393,22 @@ impl Pocket {
         PocketSlopes {
             normal,
             stiffness: film + stiffness,
-            damping: self.film_damping * self.damping_share(approach) + damping,
+            damping: self.film_damping * self.damping_share(distance) + damping,
         }
     }
 
     /// The load along the contact's normal, film and solid.
     #[inline(always)]
     fn normal_part(&self, approach: &Approach, solid: f64) -> PocketLoad {
-        let Approach { distance, rate, normal, oversize } = *approach;
-        let damping = self.film_damping * self.damping_share(approach);
-        let film = larger(self.film_stiffness * smaller(distance, self.clearance - oversize) + damping * rate, 0.0);
+        let Approach { distance, rate, normal } = *approach;
+        let damping = self.film_damping * self.damping_share(distance);
+        let film = larger(self.film_stiffness * smaller(distance, self.clearance) + damping * rate, 0.0);
         let load = if distance > 0.0 { film + solid } else { 0.0 };
         PocketLoad {
             normal: load,
             force: scale(load, normal),
             moment: [0.0; 3],
-            lever: scale(-(self.ball_radius + oversize), normal),
+            lever: scale(-self.ball_radius, normal),
         }
     }
 
@@ -422,7 +450,7 @@ fn seat(s: Vector) -> (f64, Vector) {
 
 #[inline(always)]
 fn approach_at(motion: &PocketMotion, (distance, normal): (f64, Vector)) -> Approach {
-    Approach { distance, rate: -dot(motion.velocity, normal), normal, oversize: motion.oversize }
+    Approach { distance, rate: -dot(motion.velocity, normal), normal }
 }
 
 /// How much a ball's contact with its seat differs from Hertz's, over s = √(δ/C_p), about the radius of the contact over that of the

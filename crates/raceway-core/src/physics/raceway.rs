@@ -59,6 +59,8 @@ pub struct RacewayContact {
     axial: SurfaceProfile,
     /// Surface of each ball as this raceway averages it; empty where all balls are spheres.
     balls: Arc<[Option<SphereProfile>]>,
+    /// Whether balls differ in size.
+    unequal_balls: bool,
 }
 
 /// Loads of balls side by side, to be compiled for each instruction set. Written where they are wanted: no copies.
@@ -139,6 +141,7 @@ impl RacewayContact {
             surface: SurfaceProfile::None,
             axial: SurfaceProfile::None,
             balls: Arc::new([]),
+            unequal_balls: false,
         };
         PerRaceway {
             inner: one(-1.0, hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
@@ -210,6 +213,11 @@ impl RacewayContact {
             }
         }
         on_ball
+    }
+
+    /// The same raceway for balls that differ in size.
+    pub(crate) fn with_unequal_balls(self) -> Self {
+        Self { unequal_balls: true, ..self }
     }
 
     /// The surface profile.
@@ -318,6 +326,13 @@ impl RacewayContact {
         for lane in 0..N {
             contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), lift.at(lane)));
         }
+        if self.unequal_balls {
+            // A larger ball touches farther from its centre.
+            for lane in 0..N {
+                contact.shift[lane] += motion.oversize[lane];
+                contact.apex[lane] += motion.oversize[lane];
+            }
+        }
         contact
     }
 
@@ -338,14 +353,17 @@ impl RacewayContact {
         (height, rise)
     }
 
+    /// Heights of the raceway, with the excess of the balls' radii.
     #[inline(always)]
     fn lifts_of_raceway<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
         if self.is_circle() {
-            return <(Lanes<N>, Lanes<N>)>::default();
+            let height = if self.unequal_balls { motion.oversize } else { Lanes::default() };
+            return (height, Lanes::default());
         }
-        let (of, places) = self.heights(motion);
+        let (mut of, places) = self.heights(motion);
         let mut rise = <Lanes<N>>::default();
         for lane in 0..N {
+            of.height[lane] += motion.oversize[lane];
             rise[lane] = of.along[lane] * motion.at(lane).azimuth_rate();
         }
         if self.surface.is_narrow() {

@@ -38,11 +38,7 @@ const MOST: usize = 10;
 
 /// Number of rows computed for `stay` remaining rows.
 fn rows(stay: usize) -> usize {
-    match stay {
-        ..=FEW => FEW,
-        ..=MANY => MANY,
-        _ => MOST,
-    }
+    [FEW, MANY].into_iter().find(|&rows| stay <= rows).unwrap_or(MOST)
 }
 
 /// The factors, with room for right-hand sides; allocates only on construction.

@@ -179,7 +179,7 @@ impl Groove {
         let (towards_a, towards_r) = towards;
         let [va, vr, vt] = motion.velocity;
         let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
-        penetration += height + motion.oversize;
+        penetration += height;
         rate += rise;
         let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
         // a² goes with δ: the roots of heights need not wait for that of a.
@@ -193,8 +193,7 @@ impl Groove {
 
         let deformed = self.hertz.deformed_radius;
         let edge = (self.ball_radius * self.ball_radius - semi_major_2).sqrt();
-        // A larger ball touches farther from its centre.
-        let shift = edge - (deformed * deformed - semi_major_2).sqrt() + motion.oversize;
+        let shift = edge - (deformed * deformed - semi_major_2).sqrt();
         Contact {
             penetration,
             normal,

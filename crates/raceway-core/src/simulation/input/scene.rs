@@ -204,7 +204,7 @@ fn check_pockets(p: &SceneParameters, bearing: &Bearing, faults: &mut Faults) {
     const SPACING: &str = "bearing.cage.pocket_deviations";
     let (deviations, BearingParameters { ball_count, ball_diameter, pitch_diameter, .. }) =
         (&p.pocket_deviations, bearing.parameters);
-    let are_inside = deviations.iter().fold(true, |are, &deviation| faults.check(SPACING, deviation) && are);
+    let are_inside = deviations.iter().filter(|deviation| !faults.check(SPACING, **deviation)).count() == 0;
     if !deviations.is_empty() && deviations.len() != ball_count {
         faults.inconsistent(SPACING, format!("{} values: the cage has {ball_count} pockets", deviations.len()));
         return;

@@ -20,7 +20,7 @@ const EVALUATIONS_PER_POLL: u64 = 6 * STEPS_PER_LOOK;
 
 /// Method and accuracy of an integration.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Stepping {
+pub struct Stepping {
     pub method: Method,
     pub relative_tolerance: f64,
     /// Step without error control [s].

@@ -43,6 +43,8 @@ pub struct Mechanism {
     pub ball_radius: f64,
     /// Size and mass of each ball, eight at a time, padded by the last ball.
     pub(crate) bodies: Vec<BallBody<Lanes>>,
+    /// Radius of the largest ball less the nominal one [m]; `None`: all balls are nominal.
+    pub(crate) largest_oversize: Option<f64>,
     pub raceway: PerRaceway<RacewayContact>,
     /// Highest frequency at which waves of raceways and balls pass a contact [Hz]; 0 without waves.
     pub(crate) wave_frequency: f64,
@@ -164,6 +166,20 @@ impl Mechanism {
         let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
         let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
         let drag = Drag::new(bearing, &scene.lubricant);
+        let deviations = scene.surfaces.balls.iter().map(|surface| surface.diameter_deviation);
+        let largest_oversize = deviations
+            .clone()
+            .any(|deviation| deviation != 0.0)
+            .then(|| 0.5 * deviations.fold(f64::NEG_INFINITY, f64::max));
+        let mut raceway =
+            RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway);
+        let mut pocket =
+            Pocket::new(bearing, &scene.cage, &scene.lubricant, relative_spin_ratio * operating_speed, needs.pocket);
+        if let Some(largest) = largest_oversize {
+            let PerRaceway { inner, outer } = raceway;
+            raceway = PerRaceway { inner: inner.with_unequal_balls(), outer: outer.with_unequal_balls() };
+            pocket = pocket.with_unequal_balls(largest);
+        }
         Self {
             layout: Layout {
                 balls: bearing.parameters.ball_count,
@@ -181,18 +197,13 @@ impl Mechanism {
             ball_inertia: bearing.ball_inertia,
             ball_radius: 0.5 * bearing.parameters.ball_diameter,
             bodies: bodies(bearing, &scene.surfaces.balls),
-            raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
+            largest_oversize,
+            raceway,
             wave_frequency: 0.0,
             defect_step: f64::INFINITY,
             defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
             uneven_balls: Vec::new(),
-            pocket: Pocket::new(
-                bearing,
-                &scene.cage,
-                &scene.lubricant,
-                relative_spin_ratio * operating_speed,
-                needs.pocket,
-            ),
+            pocket,
             neighbours: (!needs.cage)
                 .then(|| NeighbourContact::new(bearing, &scene.cage, &scene.lubricant, needs.pocket)),
             cage: scene.cage,
@@ -230,9 +241,14 @@ impl Mechanism {
         (self.start.angle[ball], self.bodies[ball / LANES].oversize[ball % LANES])
     }
 
-    /// Returns true where one ball can stand for another.
+    /// Sum of the radii of two balls less twice the nominal one [m].
+    pub(crate) fn sum_of_oversizes(&self, one: usize, other: usize) -> f64 {
+        self.body(one).oversize + self.body(other).oversize
+    }
+
+    /// Returns true where all balls are nominal, so that one can stand for another.
     pub(crate) fn has_equal_balls(&self) -> bool {
-        self.bodies.iter().all(|bodies| (0..LANES).all(|lane| bodies.at(lane) == self.body(0)))
+        self.largest_oversize.is_none()
     }
 }
 

@@ -232,7 +232,14 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
             && order <= HIGHEST_CAGE_ORDER
             && (whirl.frequency - order * cage.frequency).abs() <= tolerance
     };
-    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance && !is_driven(whirl);
+    // So does an uneven ball.
+    let at = |of: &[Term; 3]| of.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
+    let is_of_ball = |of: &[Term; 3]| of[0].name == BALL && (frequency - at(of)).abs() <= GOOD_FIT * tolerance;
+    let rolls = found.iter().any(is_of_ball);
+    let near = |whirl: &Term| {
+        let is_near = usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
+        is_near && !is_driven(whirl) && !(rolls && whirl.name == SPINDLE_WHIRL)
+    };
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
 }
@@ -405,6 +412,8 @@ mod tests {
             let frequency = n * f.ball_spin + k * f.cage;
             assert_eq!(label(frequency, &even, 1.0).0, text);
             assert_eq!(label(frequency, &all, 1.0).0, text);
+            let whirling = LineSources { spindle_whirl: frequency + 0.2, ..even };
+            assert_eq!(label(frequency, &whirling, 1.0).0, text, "the ball drives the spindle round");
         }
         let odd = 3.0 * f.ball_spin + f.cage;
         assert_eq!(label(odd, &all, 1.0).0, "3·BSF + FTF");

@@ -187,15 +187,10 @@ impl InitialState {
         Ok(Self { time: 0.0, is_damped: false, state: start_state(model)?, work: Statistics::default() })
     }
 
-    /// State after the shared phase, in the longest steps that do not diverge.
-    pub fn settled(shared: &StartupPhase, model: &Model, control: &Control<'_>) -> Result<Self, SimulationError> {
-        Self::after(shared, None, model, control)
-    }
-
     /// State after the shared phase. Attempts and their repetitions only have the rest of the settling time before them. Long fixed steps are tried
     /// first, because they hardly change undamped vibration. Levels that had not settled after a second differed by at most 0.0015 dB between this
     /// step and a quarter of it. If the long steps diverge, shorter ones follow, then error control. `stepping`: only these steps.
-    pub(crate) fn after(
+    pub fn after(
         shared: &StartupPhase,
         stepping: Option<Stepping>,
         model: &Model,

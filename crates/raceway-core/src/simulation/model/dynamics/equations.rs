@@ -159,11 +159,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
+        // A copy, so that the compiler knows that no store in the loops changes it.
         let bodies = m.bodies[first / LANES];
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
-            let motion = one.motion((start[lane], bodies.oversize[lane]), &state.at(lane), shaft);
+            let motion = one.motion(start[lane], &state.at(lane), shaft);
             let (inner, frame) = one.over_inner::<F>(&motion, &spindle, shaft, &axis);
             relative.outer.put(lane, one.over_outer(&motion));
             relative.inner.put(lane, inner);
@@ -171,6 +172,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.motion.put(lane, motion);
         }
         self.turn_azimuths::<F>(&frames, &mut relative.inner);
+        if m.largest_oversize.is_some() {
+            (relative.inner.oversize, relative.outer.oversize) = (bodies.oversize, bodies.oversize);
+        }
         m.raceway.outer.place_in_groove(&mut relative.outer);
         m.raceway.inner.place_in_groove(&mut relative.inner);
         let on_balls = m.layout.attitude.then(|| {
@@ -286,6 +290,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, motion);
             places.put(lane, place);
         }
+        if m.largest_oversize.is_some() {
+            relative.oversize = m.bodies[first / LANES].oversize;
+        }
         match slopes {
             None => m.pocket.loads(&relative, load),
             Some(slopes) => m.pocket.loads_and_slopes(&relative, load, slopes),
@@ -319,6 +326,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         self.turn_azimuths::<F>(&frames, &mut relative);
         self.mechanism.raceway.inner.place_in_groove(&mut relative);
+        if self.mechanism.largest_oversize.is_some() {
+            relative.oversize = self.mechanism.bodies[first / LANES].oversize;
+        }
         let mut load = RacewayLoad::<Lanes>::default();
         let on_balls = self.mechanism.layout.attitude.then(|| {
             let poses = self.poses(first, attitude, shaft);

@@ -10,7 +10,7 @@ use super::equations::Dynamics;
 use super::forces::{Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
-use crate::simulation::model::state::{BallState, MAX_BORDER};
+use crate::simulation::model::state::{BallAttitude, BallState, MAX_BORDER};
 
 /// One Jacobian, compiled for each instruction set.
 struct Differences<'a, const PLANAR: bool> {
@@ -67,7 +67,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let mut share: Lanes = Lanes::default();
             share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
-            let attitude = layout.attitude.then(|| layout.attitudes(state, first)).unwrap_or_default();
+            let attitude = if layout.attitude { layout.attitudes(state, first) } else { BallAttitude::default() };
             let (mut balls, mut moved) = (Balls::default(), Balls::default());
             // Undisplaced first, then by one entry after the other.
             for displaced in std::iter::once(None).chain((0..block).map(Some)) {

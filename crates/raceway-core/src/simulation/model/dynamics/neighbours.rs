@@ -10,9 +10,9 @@ use crate::physics::frames::{add, subtract};
 use crate::physics::neighbour::{NeighbourContact, NeighbourLoad, NeighbourMotion};
 use crate::simulation::model::state::BallState;
 
-/// Load of the second ball on the first.
+/// Load of the second ball on the first; `oversize`: sum of their radii less twice the nominal one [m].
 #[inline(always)]
-fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion) -> NeighbourLoad {
+fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion, oversize: f64) -> NeighbourLoad {
     let place = |ball: &BallMotion| ball.azimuth.to_inertial([ball.axial, ball.radius, 0.0]);
     let velocity = |ball: &BallMotion| ball.azimuth.to_inertial(ball.velocity);
     let spin = |ball: &BallMotion| ball.azimuth.to_inertial(ball.spin);
@@ -20,14 +20,14 @@ fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion) -> 
         displacement: subtract(place(first), place(second)),
         velocity: subtract(velocity(first), velocity(second)),
         spin: add(spin(first), spin(second)),
-        oversize: first.oversize + second.oversize,
+        oversize,
     })
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
     fn ball_motion(&self, y: &[f64], ball: usize, shaft: Shaft) -> BallMotion {
-        self.one().motion(self.mechanism().start_and_oversize(ball), &self.layout().ball(y, ball), shaft)
+        self.one().motion(self.mechanism().start.angle[ball], &self.layout().ball(y, ball), shaft)
     }
 
     /// Adds the contacts of neighbouring balls to the rates of all balls, and passes the load of each ball's next one to `seen`. A pair of
@@ -47,7 +47,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         for index in 0..if last == 1 { 1 } else { layout.balls } {
             let next_index = if index == last { 0 } else { index + 1 };
             let next = if index == last { first } else { self.ball_motion(y, next_index, shaft) };
-            let load = load(contact, &ball, &next);
+            let load = load(contact, &ball, &next, self.mechanism().sum_of_oversizes(index, next_index));
             if load.normal > 0.0 {
                 for (index, motion, side) in [(index, &ball, 1.0), (next_index, &next, -1.0)] {
                     let force = motion.azimuth.to_orbit(load.force).map(|force| side * force);
@@ -82,7 +82,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let loads = |motion: &BallMotion| {
                 let mut wrench = Wrench::default();
                 for &side in sides {
-                    let NeighbourLoad { force, moment, .. } = load(contact, motion, &motions[side]);
+                    let NeighbourLoad { force, moment, .. } =
+                        load(contact, motion, &motions[side], self.mechanism().sum_of_oversizes(ball, side));
                     let [force, moment] = [force, moment].map(|v| motion.azimuth.to_orbit(v));
                     wrench = wrench.and(Wrench { force, moment });
                 }
@@ -95,7 +96,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let mut entries = own;
                 entries[column] += by;
                 let state = BallState::from_entries(entries, PLANAR);
-                let displaced = loads(&one.motion(self.mechanism().start_and_oversize(ball), &state, shaft));
+                let displaced = loads(&one.motion(self.mechanism().start.angle[ball], &state, shaft));
                 for row in 0..motion {
                     *jacobian.blocks.entry_mut(ball, row, column) += (displaced[row] - undisplaced[row]) / by;
                 }

@@ -25,14 +25,8 @@ pub(super) struct OneBall {
 }
 
 impl OneBall {
-    /// `start`: azimuth at which the ball starts [rad]; `oversize`: its radius less the nominal one [m].
     #[inline(always)]
-    pub(super) fn motion(
-        &self,
-        (start, oversize): (f64, f64),
-        state: &BallState,
-        (angle, speed, _): Shaft,
-    ) -> BallMotion {
+    pub(super) fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
         let per_radius = 1.0 / self.pitch_radius;
         let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
         let radius = self.pitch_radius + state.radial;
@@ -45,7 +39,6 @@ impl OneBall {
             orbit_speed,
             velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
             spin: [state.spin[0] + self.spin_ratio * speed, state.spin[1], state.spin[2]],
-            oversize,
         }
     }
 
@@ -60,7 +53,7 @@ impl OneBall {
             raceway_speed: 0.0,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
-            oversize: motion.oversize,
+            oversize: 0.0,
         }
     }
 
@@ -87,7 +80,7 @@ impl OneBall {
             raceway_speed: speed,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
-            oversize: motion.oversize,
+            oversize: 0.0,
         };
         (relative, frame)
     }
@@ -105,7 +98,7 @@ impl OneBall {
             displacement: subtract(place, pocket),
             velocity: subtract(relative, cross(spin, place)),
             spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), spin),
-            oversize: motion.oversize,
+            oversize: 0.0,
         };
         (motion, place)
     }

@@ -161,6 +161,7 @@ impl Resistance {
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Balls from `first` on at the end of a step: one step of Newton from the predicted state.
     #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
     pub(super) fn correct(
         &self,
         first: usize,
@@ -173,6 +174,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     ) {
         let m = self.mechanism();
         let (bodies, nominal) = (m.bodies[first / LANES], m.ball_radius);
+        // Equal balls share one division.
+        let over_share = |of: fn(&BallBody) -> f64| match m.largest_oversize {
+            None => Lanes::<LANES>::all(of(&bodies.at(0)) / share),
+            Some(_) => Lanes(std::array::from_fn(|lane| of(&bodies.at(lane)) / share)),
+        };
+        let (mass_over_share, inertia_over_share) = (over_share(|body| body.mass), over_share(|body| body.inertia));
         for lane in 0..LANES {
             let BallBody { oversize, mass, inertia, .. } = bodies.at(lane);
             let radius = nominal + oversize;
@@ -184,10 +191,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let inner = Resistance::of(&inner, radius, share);
             let outer = Resistance::of(&outer, radius, share);
 
-            let (mut meridian, mut orbit) = (
-                [mass, 0.0, 0.0, mass, 0.0, inertia].map(|m| m / share),
-                [mass, 0.0, 0.0, inertia, 0.0, inertia].map(|m| m / share),
-            );
+            let (m, i) = (mass_over_share[lane], inertia_over_share[lane]);
+            let (mut meridian, mut orbit) = ([m, 0.0, 0.0, m, 0.0, i], [m, 0.0, 0.0, i, 0.0, i]);
             inner.add_to(&mut meridian, &mut orbit);
             outer.add_to(&mut meridian, &mut orbit);
             add_product(&mut meridian, pocket, [normal[0], normal[1], 0.0]);
