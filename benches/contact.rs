@@ -115,7 +115,7 @@ fn contacts(model: &Model) {
             &format!("{set:?}"),
             2.0 * LANES as f64,
             time(|| {
-                RacewayContact::pair_of_loads::<false>(&m.raceway, black_box(&several), &mut loads, set);
+                RacewayContact::pair_of_loads::<false>(&m.raceway, black_box(&several), None, &mut loads, set);
                 black_box(&loads);
             }),
         );

@@ -21,7 +21,7 @@ use crate::scenes::{article, changed, disturbed, model_on, needs, rates, scene};
 use crate::waviness::energy_lost;
 
 /// A 6205 under 500 N at 1797 r/min with some surfaces.
-fn motor(surfaces: Value) -> Value {
+pub fn motor(surfaces: Value) -> Value {
     json!({
         "bearing": { "preset": "6205", "radial_clearance_um": 12.5 },
         "operation": { "speed_rpm": 1797, "radial_load_y_n": 500 },
@@ -131,7 +131,7 @@ fn settings(method: Method, relative_tolerance: f64, [settle, duration]: [f64; 2
 }
 
 /// A run in fixed steps after 50 ms of settling.
-fn run(json: &Value, duration: f64) -> RunResult {
+pub fn run(json: &Value, duration: f64) -> RunResult {
     let settings = RunSettings { fixed_step: Some(5e-6), ..settings(Method::SemiImplicit, 1e-5, [0.05, duration]) };
     simulate(&scene(json), &settings, &patient()).unwrap()
 }
@@ -149,7 +149,7 @@ fn rms_and_kurtosis(surfaces: Value) -> (f64, f64) {
     (metrics.rms, metrics.kurtosis.unwrap())
 }
 
-fn assert_near(what: &str, found: f64, expected: f64, share: f64) {
+pub fn assert_near(what: &str, found: f64, expected: f64, share: f64) {
     assert!((found / expected - 1.0).abs() < share, "{what}: {found}, expected {expected}");
 }
 
@@ -195,7 +195,7 @@ fn shape_and_place_decide_the_level() {
 }
 
 /// Largest amplitude within a bin of a frequency.
-fn line(spectrum: &Spectrum, frequency: f64) -> f64 {
+pub fn line(spectrum: &Spectrum, frequency: f64) -> f64 {
     let bin = (frequency / spectrum.resolution).round() as usize;
     spectrum.amplitude[bin - 1..=bin + 1].iter().copied().fold(0.0, f64::max)
 }

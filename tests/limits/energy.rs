@@ -6,7 +6,9 @@ use raceway::physics::pocket::Pocket;
 use raceway::simulation::model::Model;
 use serde_json::{Value, json};
 
-use crate::scenes::{advance, article, azimuth, changed, defects, disturbed, model, watched, waves};
+use crate::scenes::{
+    advance, article, axial_waves, azimuth, changed, defects, disturbed, model, uneven_balls, watched, waves,
+};
 
 /// The article's case without dissipation.
 fn frictionless(changes: Value) -> Value {
@@ -139,6 +141,18 @@ fn energy_is_kept_without_dissipation() {
         ),
         ("outer defects", frictionless(json!({ "surfaces": { "outer": defects(0.1)["surfaces"]["outer"] } }))),
         ("defects at rest", frictionless(changed(defects(0.1), at_rest()))),
+        (
+            "axial waves at rest, free along X",
+            frictionless(changed(changed(axial_waves(), at_rest()), json!({ "operation": { "axial_load_n": 15 } }))),
+        ),
+        ("uneven balls at rest", frictionless(changed(uneven_balls(5.0), at_rest()))),
+        (
+            "uneven balls at rest, free along X",
+            frictionless(changed(
+                changed(uneven_balls(5.0), at_rest()),
+                json!({ "operation": { "axial_load_n": 15 } }),
+            )),
+        ),
         ("strong gravity", frictionless(json!({ "gravity_m_s2": 1000 }))),
     ] {
         let model = model(&json);

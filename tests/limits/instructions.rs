@@ -11,7 +11,8 @@ use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRati
 use serde_json::{Value, json};
 
 use crate::scenes::{
-    article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, unequal, waves,
+    article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, unequal, uneven_balls,
+    waves,
 };
 
 const TIME: f64 = 2.3e-4;
@@ -39,6 +40,8 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
         (everything_with(unequal()), ModelLevel::Full),
         (everything_with(defects(0.1)), ModelLevel::Full),
         (changed(article(), defects(0.0)), ModelLevel::Planar),
+        (everything_with(uneven_balls(5.0)), ModelLevel::Full),
+        (changed(article(), uneven_balls(0.0)), ModelLevel::Planar),
     ]
 }
 

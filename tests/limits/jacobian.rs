@@ -7,7 +7,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::model::equilibrium::start_state;
 use serde_json::json;
 
-use crate::scenes::{article, changed, defects, disturbed, everything, model_on, waves};
+use crate::scenes::{article, changed, defects, disturbed, everything, model_on, uneven_balls, waves};
 
 /// Central differences of the whole right-hand side, dense.
 fn dense(system: &impl OdeSystem, state: &[f64], sizes: &[f64]) -> Vec<Vec<f64>> {
@@ -36,6 +36,8 @@ fn the_arrowhead_is_the_whole_jacobian() {
         (oil.clone(), ModelLevel::Full),
         (wavy, ModelLevel::Full),
         (changed(oil, defects(0.1)), ModelLevel::Full),
+        (changed(everything(), uneven_balls(5.0)), ModelLevel::Full),
+        (changed(article(), uneven_balls(0.0)), ModelLevel::Planar),
         (article(), ModelLevel::Full),
         (article(), ModelLevel::Planar),
     ] {

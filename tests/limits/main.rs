@@ -32,5 +32,6 @@ mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
 mod unequal_balls;
+mod uneven_balls;
 mod waviness;
 mod wrong_answers;

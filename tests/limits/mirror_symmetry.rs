@@ -3,11 +3,14 @@
 
 use raceway::physics::frames::Vector;
 use raceway::simulation::model::Model;
-use raceway::simulation::model::state::{BallState, CageState, SpindleState};
+use raceway::simulation::model::state::{BallAttitude, BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
-use crate::scenes::{article, changed, defects, disturbed, everything, model, model_on, rates, scene, unequal, waves};
+use crate::scenes::{
+    article, axial_waves, changed, defects, disturbed, everything, model, model_on, rates, scene, unequal,
+    uneven_balls, waves,
+};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::solve::run::simulate;
@@ -31,7 +34,12 @@ pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
     for ball in 0..layout.balls {
         let s = layout.ball(y, ball);
         let s = BallState { arc: -s.arc, arc_velocity: -s.arc_velocity, spin: axial(s.spin), ..s };
-        layout.set_ball(&mut image, (layout.balls - ball) % layout.balls, &s);
+        let number = (layout.balls - ball) % layout.balls;
+        layout.set_ball(&mut image, number, &s);
+        let [first, x, y, z] = layout.attitude(y, ball).0;
+        let [x, y, z] = axial([x, y, z]);
+        let first = if layout.planar { -first } else { first };
+        layout.set_attitude(&mut image, number, &BallAttitude([first, x, y, z]));
     }
     let s = layout.cage(y);
     let flipped = |[about_y, about_z]: [f64; 2]| [-about_y, about_z];
@@ -68,7 +76,7 @@ pub fn mirrored_scene(mut json: Value) -> Value {
     if operation.get("misalignment_mrad").is_some() {
         negate(&mut operation["misalignment_mrad"]["y"]);
     }
-    for (list, field) in [("waviness", "phase_deg"), ("defects", "azimuth_deg")] {
+    for (list, field) in [("waviness", "phase_deg"), ("axial_waviness", "phase_deg"), ("defects", "azimuth_deg")] {
         for ring in ["inner", "outer"] {
             let items = json.pointer_mut(&format!("/surfaces/{ring}/{list}")).and_then(Value::as_array_mut);
             for item in items.into_iter().flatten() {
@@ -82,6 +90,13 @@ pub fn mirrored_scene(mut json: Value) -> Value {
     let count = json.pointer("/bearing/ball_count").and_then(Value::as_u64).unwrap_or(7);
     for item in json.pointer_mut("/surfaces/balls").and_then(Value::as_array_mut).into_iter().flatten() {
         item["ball"] = json!((count + 1 - item["ball"].as_u64().unwrap()) % count + 1);
+        for (list, field) in [("waviness", "phase_deg"), ("defects", "longitude_deg")] {
+            for part in item.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten() {
+                if part.get(field).is_some() {
+                    negate(&mut part[field]);
+                }
+            }
+        }
     }
     if let Some(pockets) = json.pointer_mut("/bearing/cage/pocket_spacing_mrad").and_then(Value::as_array_mut) {
         pockets.iter_mut().for_each(negate);
@@ -138,6 +153,8 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
         ("waves", of(waves())),
         ("unequal balls", of(unequal())),
         ("defects", of(defects(0.1))),
+        ("axial waves", of(axial_waves())),
+        ("uneven balls", of(uneven_balls(5.0))),
         ("eight balls", of(json!({ "bearing": { "ball_count": 8 } }))),
     ] {
         let (model, image) = (model(&json), model(&mirrored_scene(json)));

@@ -8,7 +8,7 @@ use raceway::simulation::input::channel::BallContact;
 use raceway::simulation::model::{Model, Watch};
 use serde_json::{Value, json};
 
-use crate::scenes::{Loads, azimuth, changed, disturbed, everything, model, sizes, watched};
+use crate::scenes::{Loads, azimuth, changed, disturbed, everything, model, sizes, uneven_balls, watched};
 
 const TIME: f64 = 1.7e-4;
 /// Rounding error of sums of forces: a few units in the last place for each of the 21 contacts. The terms r θ̇² and 2 ṙ θ̇ add
@@ -31,6 +31,7 @@ fn all_scenes() -> Vec<(&'static str, Value)> {
         ),
         ("Eyring", of(json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
         ("Coulomb", of(json!({ "lubricant": { "traction": { "law": "coulomb" } } }))),
+        ("uneven balls", of(uneven_balls(5.0))),
         ("elastic bars", of(json!({ "bearing": { "cage": { "bar_stiffness_n_per_m": 1e5 } } }))),
     ]
 }

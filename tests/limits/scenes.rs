@@ -11,6 +11,7 @@ use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::scene::Scene;
 use raceway::simulation::input::settings::Outputs;
 use raceway::simulation::model::equilibrium::start_state;
+use raceway::simulation::model::state::BallAttitude;
 use raceway::simulation::model::terms::ActiveTerms;
 use raceway::simulation::model::{Model, Watch};
 use serde_json::{Value, json};
@@ -37,6 +38,16 @@ pub fn waves() -> Value {
         "surfaces": {
             "inner": { "waviness": [{ "order": 9, "amplitude_nm": 200, "phase_deg": 40 }, { "order": 1, "amplitude_nm": 900 }] },
             "outer": { "waviness": [{ "order": 40, "amplitude_nm": 100, "phase_deg": -70 }] }
+        }
+    })
+}
+
+/// Grooves whose places along the axis have waves.
+pub fn axial_waves() -> Value {
+    json!({
+        "surfaces": {
+            "inner": { "axial_waviness": [{ "order": 5, "amplitude_nm": 900, "phase_deg": 40 }] },
+            "outer": { "axial_waviness": [{ "order": 20, "amplitude_nm": 300, "phase_deg": -70 }] }
         }
     })
 }
@@ -113,6 +124,24 @@ impl Random {
     }
 }
 
+/// Balls with waves, and with defects at a latitude that meet both raceways at t = 0.
+pub fn uneven_balls(latitude_deg: f64) -> Value {
+    json!({
+        "surfaces": { "balls": [
+            {
+                "ball": 1,
+                "waviness": [{ "order": 3, "amplitude_nm": 200, "phase_deg": 40 }, { "order": 40, "amplitude_nm": 30, "phase_deg": -70 }],
+                "defects": [
+                    { "diameter_mm": 0.3, "depth_um": 2, "latitude_deg": latitude_deg, "longitude_deg": 5 },
+                    { "diameter_mm": 0.3, "depth_um": 2, "latitude_deg": latitude_deg, "longitude_deg": 190 }
+                ]
+            },
+            { "ball": 2, "waviness": [{ "order": 2, "amplitude_nm": 300, "phase_deg": -30 }] },
+            { "ball": 7, "defects": [{ "diameter_mm": 0.2, "depth_um": 1, "longitude_deg": -3 }] }
+        ] }
+    })
+}
+
 /// Equilibrium with a random displacement of every entry. Some contacts are open, some pockets in contact up to their rims.
 ///
 /// Largest displacements: 2 µm for positions (cage 30 µm, arcs 40 µm), 0.2 m/s for velocities, 1000 rad/s for spins, 1 mrad for
@@ -132,6 +161,11 @@ pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
         ball.arc_velocity += spread(0.2);
         ball.spin = ball.spin.map(|spin| spin + spread(1000.0));
         layout.set_ball(&mut state, index, &ball);
+    }
+    for index in (0..layout.balls).filter(|_| layout.attitude) {
+        let attitude = layout.attitude(&state, index);
+        let attitude = BallAttitude(attitude.0.map(|entry| entry + spread(0.02)));
+        layout.set_attitude(&mut state, index, &attitude);
     }
     let mut cage = layout.cage(&state);
     cage.centre = cage.centre.map(|_| spread(30e-6));

@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use raceway::numerics::ode::Method;
-use raceway::physics::raceway::RelativeMotion;
+use raceway::physics::raceway::{RacewayContact, RelativeMotion};
 use raceway::physics::surface::SurfaceProfile;
 use raceway::physics::surface::waviness::Wave;
 use raceway::simulation::input::channel::{Axis, Channel, Motion};
@@ -386,4 +386,42 @@ fn contacts_average_waves_of_their_width() {
     let zero = |of: &AveragedSurface| of.contact.first_zero() * (of.load / 243.0).cbrt();
     assert!((zero(&waves.inner) / 565.0 - 1.0).abs() < 0.01, "{}", zero(&waves.inner));
     assert!((zero(&waves.outer) / 635.0 - 1.0).abs() < 0.01, "{}", zero(&waves.outer));
+}
+
+/// Displacement of the spindle [waves' amplitudes] by waves of one order of the outer raceway, under an axial load [N] at 15°.
+fn displaced_under_axial_load(
+    load_n: f64,
+    with: impl Fn(RacewayContact, SurfaceProfile) -> RacewayContact,
+    order: u32,
+) -> [f64; 3] {
+    let change = json!({
+        "bearing": { "type": "angular_contact", "contact_angle_deg": 15, "radial_clearance_um": null },
+        "operation": { "speed_rpm": 0, "radial_load_y_n": 0, "axial_load_n": load_n },
+        "gravity_m_s2": 0
+    });
+    let mut json = changed(article(), change);
+    json["bearing"].as_object_mut().unwrap().retain(|_, value| !value.is_null());
+    let scene = scene(&json);
+    let ideal = Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Full)));
+    let at = |amplitude: f64| {
+        let mut m = ideal.clone();
+        m.raceway.outer = with(m.raceway.outer, SurfaceProfile::of_waves(&[wave(order, amplitude, 0.0)]));
+        equilibrium(&m, 0.0).unwrap().spindle
+    };
+    let (more, less) = (at(10e-9), at(-10e-9));
+    std::array::from_fn(|i| ((more[i] - less[i]) / 20e-9).abs())
+}
+
+/// α₀ 15°: heights of order Z move the spindle along X by (A/sin α)/(1 + (2D/3L) cot² α), those of order Z + 1 across it by
+/// (A/cos α)/(1 + (2D/3L) tan² α). Waves of the groove's place of order Z are a rigid shift along X.
+#[test]
+fn an_axially_loaded_bearing_moves_with_waves_at_its_contact_angle() {
+    for (load, along, across) in [(12.0, 3.3605, 1.0421), (50.0, 2.9034, 1.0515)] {
+        let [x, y, z] = displaced_under_axial_load(load, RacewayContact::with_surface, 7);
+        assert!((x / along - 1.0).abs() < 0.002 && y < 1e-3 && z < 1e-3, "{load} N: {x} {y} {z}");
+        let [x, y, z] = displaced_under_axial_load(load, RacewayContact::with_surface, 8);
+        assert!((y / across - 1.0).abs() < 0.002 && x < 1e-3 && z < 1e-3, "{load} N: {x} {y} {z}");
+        let [x, y, z] = displaced_under_axial_load(load, RacewayContact::with_axial_waves, 7);
+        assert!((x - 1.0).abs() < 1e-4 && y < 1e-3 && z < 1e-3, "{load} N: {x} {y} {z}");
+    }
 }

@@ -1,4 +1,4 @@
-//! Surfaces before a run: waves that the contacts average, keep or leave out, what a ball feels of each defect, and sizes of the balls.
+//! Surfaces before a run: waves that the contacts average, keep or leave out, what a ball feels of each defect, and each ball.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -10,10 +10,12 @@ use raceway_core::physics::surface::defects::Recess;
 use raceway_core::physics::surface::waviness::{KeptWave, Omission, SortedWaves};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::Mechanism;
-use raceway_core::simulation::model::surfaces::{AveragedSurface, averaged_surfaces, ball_loads_at};
+use raceway_core::simulation::model::surfaces::{
+    AveragedBall, AveragedSurface, averaged_balls, averaged_surfaces, ball_loads_at,
+};
 use raceway_core::simulation::model::terms::ActiveTerms;
 
-/// Waves and defects of both raceways, and the balls. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
+/// Waves and defects of both raceways, and each ball. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
 /// static equilibrium at the largest speed, for the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SurfacesAnswer {
@@ -33,6 +35,30 @@ pub struct BallSurfaceAnswer {
     pub ball: usize,
     /// Deviation of its diameter from `ball_diameter_mm`, given and drawn [µm].
     pub diameter_um: f64,
+    /// As the inner raceway averages and feels them; absent for a sphere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub inner: Option<BallContactAnswer>,
+    /// As the outer raceway averages and feels them; absent for a sphere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer: Option<BallContactAnswer>,
+}
+
+/// Waves and defects of a ball at one raceway.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BallContactAnswer {
+    /// Order whose waves are as long as the contact and averaged to zero, π d/2b.
+    #[schema(minimum = 0)]
+    pub first_zero_order: f64,
+    /// Number of waves in the model, drawn ones included.
+    pub kept: usize,
+    /// The first 8 waves in the model, those given in `waviness` first.
+    pub waves: Vec<KeptWaveAnswer>,
+    /// Ranges of orders that are not in the model.
+    pub left_out: Vec<LeftOutOrdersAnswer>,
+    /// Defects with a depth above 0, in the order of the request, under the most loaded ball.
+    pub defects: Vec<DefectAnswer>,
 }
 
 /// Waves and defects of one raceway.
@@ -53,6 +79,12 @@ pub struct RacewaySurfaceAnswer {
     pub waves: Vec<KeptWaveAnswer>,
     /// Ranges of orders that are not in the model.
     pub left_out: Vec<LeftOutOrdersAnswer>,
+    /// Waves of the groove's place along the axis in the model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axial_waves: Vec<KeptWaveAnswer>,
+    /// Ranges of orders of `axial_waviness` that are not in the model.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub axial_left_out: Vec<LeftOutOrdersAnswer>,
     /// Defects with a depth above 0, in the order of the request.
     pub defects: Vec<DefectAnswer>,
 }
@@ -84,7 +116,7 @@ pub struct DefectAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub impact_beside_middle_us: Option<f64>,
-    /// Load of a ball in the middle of the defect, on ideal raceways [N]; on the inner raceway, which turns through the load, the largest.
+    /// Load of a ball in the middle of the defect, on ideal raceways [N]; of inner raceway and balls, which turn through the load, the largest.
     #[schema(minimum = 0)]
     pub ball_load_n: f64,
     /// True if the inner raceway presses a ball into the defect at some time. Outside the load zone, balls hardly feel a defect.
@@ -134,8 +166,9 @@ pub enum LeftOutReason {
     Fast,
 }
 
-/// Largest number of listed waves.
+/// Largest number of listed waves, of a raceway and of a ball.
 const MOST_LISTED: usize = 64;
+const MOST_OF_BALL: usize = 8;
 
 impl SurfacesAnswer {
     /// `None` where all raceways are ideal circles and all balls are alike.
@@ -151,13 +184,42 @@ impl SurfacesAnswer {
         Some(Self {
             inner: RacewaySurfaceAnswer::of(&inner, on_inner.collect()),
             outer: RacewaySurfaceAnswer::of(&outer, on_outer.collect()),
-            balls: (1..).zip(&scene.surfaces.balls).map(BallSurfaceAnswer::from).collect(),
+            balls: balls(&mechanism, scene, PerRaceway { inner: inner.load, outer: outer.load }),
         })
     }
 }
 
+/// Each ball, where they differ; `load`: of the most loaded ball [N].
+fn balls(mechanism: &Mechanism, scene: &Scene, load: PerRaceway<f64>) -> Vec<BallSurfaceAnswer> {
+    let mass = scene.bearing.ball_mass;
+    let averaged = averaged_balls(mechanism, scene);
+    let one = |(index, surface): (usize, &BallSurface)| {
+        let uneven = averaged.get(index).filter(|_| !surface.is_sphere());
+        BallSurfaceAnswer {
+            ball: index + 1,
+            diameter_um: UM.to_user(surface.diameter_deviation),
+            inner: uneven.map(|ball| BallContactAnswer::of(&ball.inner, mass, load.inner)),
+            outer: uneven.map(|ball| BallContactAnswer::of(&ball.outer, mass, load.outer)),
+        }
+    };
+    scene.surfaces.balls.iter().enumerate().map(one).collect()
+}
+
+impl BallContactAnswer {
+    fn of(AveragedBall { contact, waves, defects }: &AveragedBall, ball_mass: f64, load: f64) -> Self {
+        Self {
+            first_zero_order: contact.first_zero(),
+            kept: waves.kept.len(),
+            waves: waves.kept.iter().take(MOST_OF_BALL).map(KeptWaveAnswer::from).collect(),
+            left_out: ranges(waves),
+            defects: defects.iter().map(|of| DefectAnswer::of(&of.recess, ball_mass, load, load)).collect(),
+        }
+    }
+}
+
 impl RacewaySurfaceAnswer {
-    fn of(AveragedSurface { load, contact, waves, .. }: &AveragedSurface, defects: Vec<DefectAnswer>) -> Self {
+    fn of(averaged: &AveragedSurface, defects: Vec<DefectAnswer>) -> Self {
+        let AveragedSurface { load, contact, waves, axial_waves, .. } = averaged;
         Self {
             ball_load_n: *load,
             half_width_um: UM.to_user(contact.half_width),
@@ -165,6 +227,8 @@ impl RacewaySurfaceAnswer {
             kept: waves.kept.len(),
             waves: waves.kept.iter().take(MOST_LISTED).map(KeptWaveAnswer::from).collect(),
             left_out: ranges(waves),
+            axial_waves: axial_waves.kept.iter().map(KeptWaveAnswer::from).collect(),
+            axial_left_out: ranges(axial_waves),
             defects,
         }
     }
@@ -187,12 +251,6 @@ impl DefectAnswer {
             following_load_n: ball_mass * recess.edge_acceleration(),
             longest_step_us: time(Recess::longest_step),
         }
-    }
-}
-
-impl From<(usize, &BallSurface)> for BallSurfaceAnswer {
-    fn from((ball, surface): (usize, &BallSurface)) -> Self {
-        Self { ball, diameter_um: UM.to_user(surface.diameter_deviation) }
     }
 }
 

@@ -1,11 +1,13 @@
 //! One simulation, checked. Jobs of every kind have one: the run itself, or what all their runs share.
 
+use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::surface::defects::Recess;
+use raceway_core::physics::surface::sphere::BallRecess;
 use raceway_core::simulation::input::model_level::ModelLevel;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::input::settings::RunSettings;
 use raceway_core::simulation::model::Mechanism;
-use raceway_core::simulation::model::surfaces::averaged_surfaces;
+use raceway_core::simulation::model::surfaces::{AveragedBall, averaged_balls, averaged_surfaces};
 use raceway_core::simulation::model::terms::{ActiveTerms, UnsupportedChoice};
 use raceway_core::simulation::solve::eligibility::active_terms;
 use raceway_core::simulation::solve::plan::model_levels;
@@ -226,10 +228,15 @@ fn model(
 /// Refuses defects that leave no ideal part of their raceway, and steps that would pass over a defect.
 fn check_defects(scene: &Scene, terms: &ActiveTerms, fixed_step: Option<f64>) -> Result<(), FieldError> {
     let rings = &scene.surfaces.raceway;
-    if rings.inner.defects.is_empty() && rings.outer.defects.is_empty() {
+    let of_balls = scene.surfaces.balls.iter().any(|ball| !ball.defects.is_empty());
+    if rings.inner.defects.is_empty() && rings.outer.defects.is_empty() && !of_balls {
         return Ok(());
     }
-    let Some(surfaces) = averaged_surfaces(&Mechanism::new(scene, terms), scene) else { return Ok(()) };
+    let mechanism = Mechanism::new(scene, terms);
+    let Some(surfaces) = averaged_surfaces(&mechanism, scene) else { return Ok(()) };
+    if of_balls {
+        check_ball_defects(&averaged_balls(&mechanism, scene), fixed_step)?;
+    }
     for (ring, given, averaged) in [("inner", &rings.inner, &surfaces.inner), ("outer", &rings.outer, &surfaces.outer)]
     {
         for recess in &averaged.defects {
@@ -248,6 +255,31 @@ fn check_defects(scene: &Scene, terms: &ActiveTerms, fixed_step: Option<f64>) ->
             let detail =
                 format!("{step} µs: at most {longest} µs resolve the defects of the {ring} raceway at this speed");
             return Err(FieldError::new("/solver/fixed_step_us", detail));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses defects of balls that leave no ideal part of their hemisphere, and steps that would pass over a defect.
+fn check_ball_defects(balls: &[PerRaceway<AveragedBall>], fixed_step: Option<f64>) -> Result<(), FieldError> {
+    for (index, ball) in balls.iter().enumerate() {
+        for BallRecess { recess, .. } in ball.inner.defects.iter().chain(&ball.outer.defects) {
+            let longest = 2.0 * recess.contact.radius - 4.0 * recess.contact.half_width;
+            if recess.defect.length >= longest {
+                let (diameter, longest) = (short(MM.to_user(recess.defect.length)), short(MM.to_user(longest)));
+                let detail = format!(
+                    "a defect of {diameter} mm on ball {}: must be below {longest} mm, the ball less two contacts",
+                    index + 1
+                );
+                return Err(FieldError::new("/scene/surfaces/balls", detail));
+            }
+            let longest = recess.longest_step();
+            if let Some(step) = fixed_step.filter(|step| *step > longest) {
+                let (step, longest) = (short(US.to_user(step)), short(US.to_user(longest)));
+                let detail =
+                    format!("{step} µs: at most {longest} µs resolve the defects of ball {} at this speed", index + 1);
+                return Err(FieldError::new("/solver/fixed_step_us", detail));
+            }
         }
     }
     Ok(())

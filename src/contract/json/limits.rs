@@ -85,8 +85,8 @@ mod tests {
         let without: Vec<_> =
             parameters::fields().filter(|field| limits_of(field.0).is_none()).map(|field| field.0).collect();
         // A choice and a list have no range.
-        let lists =
-            ["inner", "outer"].map(|ring| ["waviness", "defects"].map(|list| format!("surfaces.{ring}.{list}")));
+        let lists = ["inner", "outer"]
+            .map(|ring| ["waviness", "axial_waviness", "defects"].map(|list| format!("surfaces.{ring}.{list}")));
         assert_eq!(without[0], "spindle.axial");
         let of_balls = ["balls.waviness", "balls.defects", "balls"].map(|list| format!("surfaces.{list}"));
         assert_eq!(without[1..], [lists.concat(), of_balls.to_vec()].concat());

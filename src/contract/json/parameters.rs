@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 128] = [
+const FIELDS: [(&str, &str, Unit); 136] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -89,6 +89,10 @@ const FIELDS: [(&str, &str, Unit); 128] = [
     ("surfaces.inner.random_waviness.from_order", "/surfaces/inner/random_waviness/from_order", NUMBER),
     ("surfaces.inner.random_waviness.to_order", "/surfaces/inner/random_waviness/to_order", NUMBER),
     ("surfaces.inner.waviness", "/surfaces/inner/waviness", NUMBER),
+    ("surfaces.inner.axial_waviness.order", "/surfaces/inner/axial_waviness/order", NUMBER),
+    ("surfaces.inner.axial_waviness.amplitude", "/surfaces/inner/axial_waviness/amplitude_nm", NM),
+    ("surfaces.inner.axial_waviness.phase", "/surfaces/inner/axial_waviness/phase_deg", DEG),
+    ("surfaces.inner.axial_waviness", "/surfaces/inner/axial_waviness", NUMBER),
     ("surfaces.inner.defects.azimuth", "/surfaces/inner/defects/azimuth_deg", DEG),
     ("surfaces.inner.defects.length", "/surfaces/inner/defects/length_mm", MM),
     ("surfaces.inner.defects.width", "/surfaces/inner/defects/width_mm", MM),
@@ -104,6 +108,10 @@ const FIELDS: [(&str, &str, Unit); 128] = [
     ("surfaces.outer.random_waviness.from_order", "/surfaces/outer/random_waviness/from_order", NUMBER),
     ("surfaces.outer.random_waviness.to_order", "/surfaces/outer/random_waviness/to_order", NUMBER),
     ("surfaces.outer.waviness", "/surfaces/outer/waviness", NUMBER),
+    ("surfaces.outer.axial_waviness.order", "/surfaces/outer/axial_waviness/order", NUMBER),
+    ("surfaces.outer.axial_waviness.amplitude", "/surfaces/outer/axial_waviness/amplitude_nm", NM),
+    ("surfaces.outer.axial_waviness.phase", "/surfaces/outer/axial_waviness/phase_deg", DEG),
+    ("surfaces.outer.axial_waviness", "/surfaces/outer/axial_waviness", NUMBER),
     ("surfaces.outer.defects.azimuth", "/surfaces/outer/defects/azimuth_deg", DEG),
     ("surfaces.outer.defects.length", "/surfaces/outer/defects/length_mm", MM),
     ("surfaces.outer.defects.width", "/surfaces/outer/defects/width_mm", MM),

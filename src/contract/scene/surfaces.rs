@@ -1,6 +1,5 @@
 //! Surfaces of raceways and balls.
 
-use serde::de::{Error as _, IgnoredAny};
 use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
@@ -61,7 +60,6 @@ pub struct SurfacesInput {
 /// Surface of one raceway.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-#[allow(clippy::manual_non_exhaustive, reason = "the empty field names an input that is refused")]
 pub struct RacewaySurfaceInput {
     /// Waves of the height, along the contact normal and out of the material. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
@@ -71,9 +69,10 @@ pub struct RacewaySurfaceInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub random_waviness: Option<RandomWavinessInput>,
-    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
-    #[schema(ignore)]
-    axial_waviness: (),
+    /// Waves of the groove's place along +X, on `full` only. An order of 1 is face runout. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 64)]
+    pub axial_waviness: Option<Vec<WaveInput>>,
     /// Local defects, with outlines that do not overlap. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
@@ -211,12 +210,6 @@ pub struct RandomWavinessInput {
     pub to_order: Option<u32>,
 }
 
-/// Refuses a field that is known but not built.
-fn not_supported<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(), D::Error> {
-    IgnoredAny::deserialize(deserializer)?;
-    Err(D::Error::custom("not supported yet"))
-}
-
 fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<Vec<T>>, D::Error> {
     let items = Vec::<ObjectOnly<T>>::deserialize(deserializer)?;
     Ok(Some(items.into_iter().map(|item| item.0).collect()))
@@ -299,10 +292,11 @@ impl RandomWavinessInput {
 
 impl RacewaySurfaceInput {
     fn resolve(&mut self, name: &str, defaults: &mut Defaults) -> RacewaySurface {
-        let waviness = resolve_waves(&mut self.waviness, name, name, defaults);
+        let waviness = resolve_waves(&mut self.waviness, (name, name, "waviness"), defaults);
+        let axial_waviness = resolve_waves(&mut self.axial_waviness, (name, name, "axial_waviness"), defaults);
         let random_waviness =
             self.random_waviness.as_mut().map(|random| random.fill(&random_waviness_of(name), defaults));
-        RacewaySurface { waviness, random_waviness, defects: self.resolve_defects(name, defaults) }
+        RacewaySurface { waviness, random_waviness, axial_waviness, defects: self.resolve_defects(name, defaults) }
     }
 }
 
@@ -312,29 +306,26 @@ fn random_waviness_of(surface: &str) -> String {
 }
 
 /// Waves given one by one, without those that have an error. `at`: the pointer under `/scene/surfaces` of what has them, `name`: its name
-/// in `physics`.
-fn resolve_waves(waves: &mut Option<Vec<WaveInput>>, at: &str, name: &str, defaults: &mut Defaults) -> Vec<Wave> {
+/// in `physics`, `field`: that of the waves.
+fn resolve_waves(
+    waves: &mut Option<Vec<WaveInput>>,
+    (at, name, field): (&str, &str, &str),
+    defaults: &mut Defaults,
+) -> Vec<Wave> {
     let mut resolved = Vec::new();
     for (index, wave) in waves.iter_mut().flatten().enumerate() {
-        let at = format!("/scene/surfaces/{at}/waviness/{index}");
+        let at = format!("/scene/surfaces/{at}/{field}/{index}");
         let phase = defaults.fill(format!("{at}/phase_deg"), &mut wave.phase_deg, 0.0);
         let fields = [
             ("order", "order", f64::from(wave.order), NUMBER),
             ("amplitude", "amplitude_nm", wave.amplitude_nm, NM),
             ("phase", "phase_deg", phase, DEG),
         ];
-        if are_within_limits(defaults, (&at, &format!("surfaces.{name}.waviness")), &fields) {
+        if are_within_limits(defaults, (&at, &format!("surfaces.{name}.{field}")), &fields) {
             resolved.push(Wave { order: wave.order, amplitude: NM.to_si(wave.amplitude_nm), phase: DEG.to_si(phase) });
         }
     }
     resolved
-}
-
-/// Refuses waves and defects of balls, which are not built.
-fn refuse_unbuilt(at: &str, fields: &[(&str, bool)], defaults: &mut Defaults) {
-    for (field, _) in fields.iter().filter(|(_, is_given)| *is_given) {
-        defaults.refuse(format!("{at}/{field}"), "not supported yet");
-    }
 }
 
 impl BallSurfaceInput {
@@ -342,19 +333,13 @@ impl BallSurfaceInput {
     fn resolve(&mut self, index: usize, defaults: &mut Defaults) -> Option<GivenBall> {
         let of = format!("balls/{index}");
         let at = format!("/scene/surfaces/{of}");
-        let unbuilt = [
-            ("waviness", self.waviness.is_some()),
-            ("random_waviness", self.random_waviness.is_some()),
-            ("defects", self.defects.is_some()),
-        ];
-        refuse_unbuilt(&at, &unbuilt, defaults);
         let deviation = defaults.fill(format!("{at}/diameter_um"), &mut self.diameter_um, 0.0);
         let fields =
             [("ball", "ball", f64::from(self.ball), NUMBER), ("diameter_deviation", "diameter_um", deviation, UM)];
         let is_valid = are_within_limits(defaults, (&at, "surfaces.balls"), &fields);
         let surface = BallSurface {
             diameter_deviation: UM.to_si(deviation),
-            waviness: resolve_waves(&mut self.waviness, &of, "balls", defaults),
+            waviness: resolve_waves(&mut self.waviness, (&of, "balls", "waviness"), defaults),
             random_waviness: self
                 .random_waviness
                 .iter_mut()
@@ -393,7 +378,6 @@ impl BallSurfaceInput {
 impl EveryBallInput {
     fn resolve(&mut self, defaults: &mut Defaults) -> EveryBall {
         let at = "/scene/surfaces/every_ball";
-        refuse_unbuilt(at, &[("random_waviness", self.random_waviness.is_some())], defaults);
         let spread = defaults.fill(format!("{at}/diameter_spread_um"), &mut self.diameter_spread_um, 0.0);
         let random_waviness =
             self.random_waviness.as_mut().map(|random| random.fill(&random_waviness_of("every_ball"), defaults));

@@ -87,7 +87,11 @@ fn wrong_surfaces_are_refused() {
         ),
         (inner(json!({ "defects": [{ "length_mm": 80, "depth_um": 3 }] })), "inner/defects", "item 0 are no less than"),
         (inner(json!({ "defects": many_defects })), "inner/defects", "17 defects: at most 16"),
-        (inner(json!({ "axial_waviness": [] })), "inner/axial_waviness", "not supported yet"),
+        (
+            inner(json!({ "axial_waviness": [{ "order": 1, "amplitude_nm": 1e6 }] })),
+            "inner/axial_waviness/0/amplitude_nm",
+            "must be from 0 to 100000 nm",
+        ),
         (balls(json!({})), "balls/1/ball", "required, but missing"),
         (balls(json!({ "ball": 0 })), "balls/1/ball", "0: must be from 1 to 64"),
         (balls(json!({ "ball": 1.5 })), "balls/1/ball", "1.5: must be a whole number from 1 to 64"),
@@ -97,9 +101,22 @@ fn wrong_surfaces_are_refused() {
         (balls(json!({ "ball": 3, "diameter_um": 30 })), "balls", "30 µm of item 1: at most"),
         (every_ball(json!({ "diameter_spread_um": -1 })), "every_ball/diameter_spread_um", "must be from 0 to 5000 µm"),
         (every_ball(json!({ "diameter_spread_um": 30 })), "every_ball/diameter_spread_um", "30 µm: at most"),
-        (balls(json!({ "ball": 3, "waviness": [] })), "balls/1/waviness", "not supported yet"),
-        (balls(json!({ "ball": 3, "defects": [] })), "balls/1/defects", "not supported yet"),
         (json!({ "preset": "new" }), "preset", "known: `precision`, `standard`, `worn`"),
+        (
+            balls(json!({ "ball": 3, "waviness": [{ "order": 3, "amplitude_nm": -1 }] })),
+            "balls/1/waviness/0/amplitude_nm",
+            "must be from 0 to",
+        ),
+        (
+            balls(json!({ "ball": 3, "defects": [{ "diameter_mm": 0.1, "depth_um": 1, "latitude_deg": 91 }] })),
+            "balls/1/defects/0/latitude_deg",
+            "91: must be from -90 to 90°",
+        ),
+        (
+            balls(json!({ "ball": 3, "defects": [{ "diameter_mm": 2.75, "depth_um": 1 }] })),
+            "balls",
+            "a defect of 2.75 mm on ball 3: must be below",
+        ),
     ] {
         let body = wavy(surfaces);
         let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("{body}") };

@@ -31,7 +31,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 80] = [
+const LIMITS: [Limits; 83] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -95,6 +95,9 @@ const LIMITS: [Limits; 80] = [
     within(".waviness.order", 1.0, MAX_ORDER),
     within(".waviness.amplitude", 0.0, 1e-4),
     within(".waviness.phase", -2.0 * PI, 2.0 * PI),
+    within(".axial_waviness.order", 1.0, MAX_ORDER),
+    within(".axial_waviness.amplitude", 0.0, 1e-4),
+    within(".axial_waviness.phase", -2.0 * PI, 2.0 * PI),
     within(".random_waviness.amplitude", 0.0, 1e-4),
     within(".at_order", 1.0, MAX_ORDER),
     within(".exponent", 0.0, 4.0),

@@ -9,8 +9,10 @@ mod motion;
 mod strip_sums;
 
 use std::array::from_fn;
+use std::sync::Arc;
 
 pub(crate) use self::groove::LARGEST_CONTACT;
+pub use self::groove::OnBall;
 use self::groove::{Contact, Groove, GroovePlace};
 pub(crate) use self::motion::ContactSlopes;
 pub use self::motion::{RacewayLoad, RelativeMotion};
@@ -23,8 +25,10 @@ use super::contact::strips::{Strip, Strips};
 use super::contact::traction::{
     FourParameters, Traction, TractionContext, coulomb, eyring, rising, rolling, rolling_at_rest, sticking,
 };
+use super::frames::{add, scale};
 use super::kinematics;
 use super::lubricant::Lubricant;
+use super::surface::sphere::{BallPose, SphereProfile};
 use super::surface::{Height, SurfaceProfile};
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 
@@ -51,6 +55,10 @@ pub struct RacewayContact {
     /// Strips that each carry the load of their mirror image as well.
     folded_strips: MirroredStrips,
     surface: SurfaceProfile,
+    /// Place of the groove along the axis.
+    axial: SurfaceProfile,
+    /// Surface of each ball as this raceway averages it; empty where all balls are spheres.
+    balls: Arc<[Option<SphereProfile>]>,
     /// Whether balls differ in size.
     unequal_balls: bool,
 }
@@ -59,6 +67,7 @@ pub struct RacewayContact {
 struct Loads<'a, const PLANAR: bool> {
     raceway: &'a RacewayContact,
     motion: &'a RelativeMotion<Lanes>,
+    on_ball: Option<&'a OnBall<Lanes>>,
     load: &'a mut RacewayLoad<Lanes>,
 }
 
@@ -67,8 +76,8 @@ impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        let contact = self.raceway.contacts::<PLANAR, LANES>(self.motion);
-        self.raceway.loads_of::<PLANAR, LANES>(&contact, self.motion, self.load);
+        let contact = self.raceway.contacts::<PLANAR, LANES>(self.motion, self.on_ball);
+        self.raceway.loads_of::<PLANAR, LANES>(&contact, self.motion, self.on_ball, self.load);
     }
 }
 
@@ -76,6 +85,7 @@ impl<const PLANAR: bool> Task for Loads<'_, PLANAR> {
 struct PairOfLoads<'a, const PLANAR: bool> {
     raceway: &'a PerRaceway<RacewayContact>,
     motion: &'a PerRaceway<RelativeMotion<Lanes>>,
+    on_ball: Option<&'a PerRaceway<OnBall<Lanes>>>,
     load: &'a mut PerRaceway<RacewayLoad<Lanes>>,
 }
 
@@ -84,12 +94,13 @@ impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        let Self { raceway, motion, load } = self;
+        let Self { raceway, motion, on_ball, load } = self;
+        let (on_inner, on_outer) = (on_ball.map(|on| &on.inner), on_ball.map(|on| &on.outer));
         // Both geometries first: each is a chain of roots, and two chains take no longer than one.
-        let outer = raceway.outer.contacts::<PLANAR, LANES>(&motion.outer);
-        let inner = raceway.inner.contacts::<PLANAR, LANES>(&motion.inner);
-        raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner, &mut load.inner);
-        raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer, &mut load.outer);
+        let outer = raceway.outer.contacts::<PLANAR, LANES>(&motion.outer, on_outer);
+        let inner = raceway.inner.contacts::<PLANAR, LANES>(&motion.inner, on_inner);
+        raceway.inner.loads_of::<PLANAR, LANES>(&inner, &motion.inner, on_inner, &mut load.inner);
+        raceway.outer.loads_of::<PLANAR, LANES>(&outer, &motion.outer, on_outer, &mut load.outer);
     }
 }
 
@@ -128,6 +139,8 @@ impl RacewayContact {
             strips: MirroredStrips::new(&strips, 1.0),
             folded_strips: MirroredStrips::new(&strips, 2.0),
             surface: SurfaceProfile::None,
+            axial: SurfaceProfile::None,
+            balls: Arc::new([]),
             unequal_balls: false,
         };
         PerRaceway {
@@ -140,6 +153,66 @@ impl RacewayContact {
     pub fn with_surface(mut self, surface: SurfaceProfile) -> Self {
         self.surface = surface;
         self
+    }
+
+    /// The same raceway with a groove whose place along the axis has waves.
+    pub fn with_axial_waves(mut self, axial: SurfaceProfile) -> Self {
+        self.axial = axial;
+        self
+    }
+
+    /// Returns true for an ideal circle in a plane.
+    pub(crate) fn is_circle(&self) -> bool {
+        self.surface.is_ideal() && self.axial.is_ideal()
+    }
+
+    /// Place of the groove along the axis at an azimuth [m].
+    pub fn groove_place(&self, azimuth: f64) -> f64 {
+        self.axial.at(azimuth, 0.0).height
+    }
+
+    /// Refers the axial places of balls to the groove at their azimuths.
+    #[inline(always)]
+    pub(crate) fn place_in_groove(&self, motion: &mut RelativeMotion<Lanes>) {
+        if self.axial.is_ideal() {
+            return;
+        }
+        for lane in 0..LANES {
+            motion.axial[lane] -= self.groove_place(motion.azimuth[lane]);
+        }
+    }
+
+    /// The same raceway on balls of some surfaces, `None` for a sphere.
+    pub fn with_balls(mut self, balls: Vec<Option<SphereProfile>>) -> Self {
+        self.balls = balls.into();
+        self
+    }
+
+    /// Surfaces of the balls; empty where all are spheres.
+    pub(crate) fn balls(&self) -> &[Option<SphereProfile>] {
+        &self.balls
+    }
+
+    /// The same, shared.
+    pub(crate) fn shared_balls(&self) -> Arc<[Option<SphereProfile>]> {
+        self.balls.clone()
+    }
+
+    /// Effects of the surfaces of the balls from `first` on; lanes beyond the last ball repeat it.
+    #[inline(never)]
+    pub(crate) fn on_balls<const PLANAR: bool>(
+        &self,
+        first: usize,
+        motion: &RelativeMotion<Lanes>,
+        pose: &BallPose<Lanes>,
+    ) -> OnBall<Lanes> {
+        let mut on_ball = OnBall::<Lanes>::default();
+        for lane in 0..LANES {
+            if let Some(ball) = &self.balls[(first + lane).min(self.balls.len() - 1)] {
+                on_ball.put(lane, self.groove.on_ball::<PLANAR>(ball, &motion.at(lane), &pose.at(lane)));
+            }
+        }
+        on_ball
     }
 
     /// The same raceway for balls that differ in size.
@@ -187,41 +260,68 @@ impl RacewayContact {
         self.groove.elastic_load(penetration)
     }
 
-    /// Force and moment of the raceway on one ball.
+    /// Force and moment of the raceway on a ball that is a sphere.
     pub fn load<const PLANAR: bool>(&self, motion: &RelativeMotion) -> RacewayLoad {
+        self.load_of_one::<PLANAR>(motion, None)
+    }
+
+    /// Force and moment of the raceway on a ball of some surface in some attitude.
+    pub fn load_on_ball<const PLANAR: bool>(
+        &self,
+        motion: &RelativeMotion,
+        ball: &SphereProfile,
+        pose: &BallPose,
+    ) -> RacewayLoad {
+        let mut on_ball = OnBall::<Lanes<1>>::default();
+        on_ball.put(0, self.groove.on_ball::<PLANAR>(ball, motion, pose));
+        self.load_of_one::<PLANAR>(motion, Some(&on_ball))
+    }
+
+    fn load_of_one<const PLANAR: bool>(
+        &self,
+        motion: &RelativeMotion,
+        on_ball: Option<&OnBall<Lanes<1>>>,
+    ) -> RacewayLoad {
         let mut one = RelativeMotion::<Lanes<1>>::default();
         one.put(0, *motion);
         let mut load = RacewayLoad::<Lanes<1>>::default();
-        self.loads_of::<PLANAR, 1>(&self.contacts::<PLANAR, 1>(&one), &one, &mut load);
+        self.loads_of::<PLANAR, 1>(&self.contacts::<PLANAR, 1>(&one, on_ball), &one, on_ball, &mut load);
         load.at(0)
     }
 
     /// Forces and moments of both raceways on balls side by side, by a set of instructions. `PLANAR`: nothing acts or moves
-    /// along the axis, so contacts are symmetric across the groove and half of their strips will do.
+    /// along the axis, so contacts are symmetric across the groove and half of their strips will do. `on_ball`: effects of the balls'
+    /// surfaces.
     pub fn pair_of_loads<const PLANAR: bool>(
         raceway: &PerRaceway<Self>,
         motion: &PerRaceway<RelativeMotion<Lanes>>,
+        on_ball: Option<&PerRaceway<OnBall<Lanes>>>,
         load: &mut PerRaceway<RacewayLoad<Lanes>>,
         instructions: InstructionSet,
     ) {
-        instructions.run(PairOfLoads::<PLANAR> { raceway, motion, load });
+        instructions.run(PairOfLoads::<PLANAR> { raceway, motion, on_ball, load });
     }
 
     /// Forces and moments of one raceway on balls side by side.
     pub fn loads<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
+        on_ball: Option<&OnBall<Lanes>>,
         load: &mut RacewayLoad<Lanes>,
         instructions: InstructionSet,
     ) {
-        instructions.run(Loads::<PLANAR> { raceway: self, motion, load });
+        instructions.run(Loads::<PLANAR> { raceway: self, motion, on_ball, load });
     }
 
     #[inline(always)]
-    fn contacts<const PLANAR: bool, const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> Contact<Lanes<N>> {
+    fn contacts<const PLANAR: bool, const N: usize>(
+        &self,
+        motion: &RelativeMotion<Lanes<N>>,
+        on_ball: Option<&OnBall<Lanes<N>>>,
+    ) -> Contact<Lanes<N>> {
         // A copy, so that the compiler knows that stores in the loop do not change it.
         let groove = self.groove;
-        let lift = self.lifts(motion);
+        let lift = self.lifts(motion, on_ball);
         let mut contact = Contact::<Lanes<N>>::default();
         for lane in 0..N {
             contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), lift.at(lane)));
@@ -236,10 +336,27 @@ impl RacewayContact {
         contact
     }
 
-    /// Heights of the raceway under balls [m], with the excess of their radii, and the rates at which they rise [m/s].
+    /// Heights of the raceway and of the balls over it [m], and the rates at which they rise [m/s].
     #[inline(always)]
-    fn lifts<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
-        if self.surface.is_ideal() {
+    fn lifts<const N: usize>(
+        &self,
+        motion: &RelativeMotion<Lanes<N>>,
+        on_ball: Option<&OnBall<Lanes<N>>>,
+    ) -> (Lanes<N>, Lanes<N>) {
+        let (mut height, mut rise) = self.lifts_of_raceway(motion);
+        if let Some(on_ball) = on_ball {
+            for lane in 0..N {
+                height[lane] += on_ball.height[lane];
+                rise[lane] += on_ball.rise[lane];
+            }
+        }
+        (height, rise)
+    }
+
+    /// Heights of the raceway, with the excess of the balls' radii.
+    #[inline(always)]
+    fn lifts_of_raceway<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
+        if self.is_circle() {
             let height = if self.unequal_balls { motion.oversize } else { Lanes::default() };
             return (height, Lanes::default());
         }
@@ -266,7 +383,22 @@ impl RacewayContact {
                 places.put(lane, self.groove.place(motion.axial[lane], motion.radius[lane]));
             }
         }
-        (self.surface.under(&motion.azimuth, &places.place), places)
+        let mut of = self.surface.under(&motion.azimuth, &places.place);
+        if !self.axial.is_ideal() {
+            for lane in 0..N {
+                let (height, by_axial) = (of.at(lane), places.by_ball.0[lane]);
+                let place = (motion.axial[lane], motion.radius[lane]);
+                of.along[lane] += self.along_axial_waves(motion.azimuth[lane], place, height.across * by_axial);
+            }
+        }
+        (of, places)
+    }
+
+    /// Change of the penetration with the azimuth [m/rad], because the place of the groove changes: −x_g' (m_a + h_η η_a). `place`: axial, in
+    /// the groove, and radius [m]; `across`: change of the height with the axial place [-].
+    fn along_axial_waves(&self, azimuth: f64, (axial, radius): (f64, f64), across: f64) -> f64 {
+        let (_, (towards_a, _)) = self.groove.penetration::<false>(axial, radius);
+        -self.axial.at(azimuth, 0.0).along * (towards_a + across)
     }
 
     /// Adds the lean force of a raceway that is not a circle: −Q h_φ/r along the groove, and across it −Q h_η by the change of η with
@@ -287,10 +419,14 @@ impl RacewayContact {
     }
 
     /// Height and slopes of the raceway under a ball at an azimuth on the ring [rad], and the change of the contact's place across the
-    /// groove with the ball's own place, axial and radial [-].
+    /// groove with the ball's own place, axial and radial [-]. `axial`: place of the ball in the groove [m].
     pub(crate) fn height(&self, azimuth: f64, axial: f64, radius: f64) -> (Height, (f64, f64)) {
         let place = if self.surface.is_narrow() { self.groove.place(axial, radius) } else { GroovePlace::default() };
-        (self.surface.at(azimuth, place.place), place.by_ball)
+        let mut of = self.surface.at(azimuth, place.place);
+        if !self.axial.is_ideal() {
+            of.along += self.along_axial_waves(azimuth, (axial, radius), of.across * place.by_ball.0);
+        }
+        (of, place.by_ball)
     }
 
     #[inline(always)]
@@ -298,6 +434,7 @@ impl RacewayContact {
         &self,
         contact: &Contact<Lanes<N>>,
         motion: &RelativeMotion<Lanes<N>>,
+        on_ball: Option<&OnBall<Lanes<N>>>,
         load: &mut RacewayLoad<Lanes<N>>,
     ) {
         if !contact.penetration.any(|penetration| penetration > 0.0) {
@@ -312,8 +449,15 @@ impl RacewayContact {
             found.put(lane, groove.sum_of_loads(&contact.at(lane), &sums.at(lane)));
         }
         *load = found;
-        if !self.surface.is_ideal() {
+        if !self.is_circle() {
             self.add_lean(motion, load);
+        }
+        if let Some(on_ball) = on_ball {
+            for lane in 0..N {
+                let (one, normal) = (on_ball.at(lane), load.normal[lane]);
+                load.force.put(lane, add(load.force.at(lane), scale(normal, one.force)));
+                load.moment.put(lane, add(load.moment.at(lane), scale(normal, one.moment)));
+            }
         }
         if groove.hydrodynamics {
             for lane in 0..N {
@@ -476,11 +620,12 @@ impl RacewayContact {
     pub(crate) fn slopes<const PLANAR: bool>(
         &self,
         motion: &RelativeMotion<Lanes>,
+        on_ball: Option<&OnBall<Lanes>>,
         load: &RacewayLoad<Lanes>,
         slopes: &mut ContactSlopes<Lanes>,
     ) {
         let groove = self.groove;
-        let (_, rise) = self.lifts(motion);
+        let (_, rise) = self.lifts(motion, on_ball);
         for lane in 0..LANES {
             slopes.put(lane, groove.slopes::<PLANAR>(&motion.at(lane), &load.at(lane), rise[lane]));
         }

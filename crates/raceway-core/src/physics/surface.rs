@@ -10,6 +10,7 @@ pub mod ball;
 pub mod defects;
 mod height;
 mod narrow;
+pub mod sphere;
 mod table;
 pub mod waviness;
 

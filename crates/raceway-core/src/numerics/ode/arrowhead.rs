@@ -30,14 +30,15 @@ impl Kept {
     }
 }
 
-/// Rows of a block that stay after the elimination of positions: those of a ball in the plane, and at most. Elimination is
-/// compiled for these, so that its loops are straight code; fewer rows are filled up with those of the identity.
+/// Rows of a block that stay after the elimination of positions: those of a ball in the plane, of a ball, and of a ball with its attitude.
+/// Elimination is compiled for these, so that its loops are straight code; fewer rows are filled up with those of the identity.
 const FEW: usize = 3;
-const MOST: usize = 6;
+const MANY: usize = 6;
+const MOST: usize = 10;
 
 /// Number of rows computed for `stay` remaining rows.
 fn rows(stay: usize) -> usize {
-    if stay <= FEW { FEW } else { MOST }
+    [FEW, MANY].into_iter().find(|&rows| stay <= rows).unwrap_or(MOST)
 }
 
 /// The factors, with room for right-hand sides; allocates only on construction.
@@ -113,7 +114,7 @@ impl<T: Number> Task for Solve<'_, T> {
 impl<T: Number> ArrowheadFactors<T> {
     /// # Panics
     ///
-    /// If more than 6 entries of a block stay after the elimination of positions.
+    /// If more than 10 entries of a block stay after the elimination of positions.
     pub fn new(structure: &Structure) -> Self {
         let in_block = Kept::new(structure.block, &structure.block_pairs);
         assert!(in_block.entries.len() <= MOST, "at most {MOST} entries of a block stay");
@@ -157,6 +158,7 @@ impl<T: Number> ArrowheadFactors<T> {
         let instructions = self.instructions;
         match rows(self.in_block.entries.len()) {
             FEW => instructions.run(Factor::<T, FEW> { factors: self, jacobian, shift }),
+            MANY => instructions.run(Factor::<T, MANY> { factors: self, jacobian, shift }),
             _ => instructions.run(Factor::<T, MOST> { factors: self, jacobian, shift }),
         }
     }

@@ -11,6 +11,8 @@ use crate::physics::contact::film::{Film, Inlet};
 use crate::physics::contact::hertz::HertzContact;
 use crate::physics::contact::strips::Strip;
 use crate::physics::contact::traction::TractionContext;
+use crate::physics::frames::{Vector, dot, subtract};
+use crate::physics::surface::sphere::{BallHeight, BallPose, SphereProfile};
 
 /// Constants of one raceway, and what follows from them for one ball.
 #[derive(Debug, Clone, Copy)]
@@ -86,6 +88,18 @@ impl GroovePlace {
     }
 }
 
+/// Effect of a ball's surface on a contact.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct OnBall<T = f64> {
+    /// Height of the ball [m], and the rate at which it rises [m/s].
+    pub(super) height: T,
+    pub(super) rise: T,
+    /// Force [-] and moment [m] on the ball over the normal load.
+    pub(super) force: Vector<T>,
+    pub(super) moment: Vector<T>,
+}
+side_by_side!(OnBall { height, rise, force, moment });
+
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz's theory fails long before; the
 /// limit keeps extreme scenes finite.
 pub(crate) const LARGEST_CONTACT: f64 = 0.95;
@@ -123,6 +137,30 @@ impl Groove {
         GroovePlace {
             place: groove_radius * small_angle(cosine, sine),
             by_ball: (per_distance * cosine, -self.side * per_distance * sine),
+        }
+    }
+
+    /// The contact on a ball that is not a sphere. The frame of the contact turns about the raceway's axis with v_t/r and about t with
+    /// v·c/|l|.
+    pub(super) fn on_ball<const PLANAR: bool>(
+        &self,
+        ball: &SphereProfile,
+        motion: &RelativeMotion,
+        pose: &BallPose,
+    ) -> OnBall {
+        let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
+        let across = if PLANAR { (0.0, 0.0) } else { across(towards) };
+        let BallHeight { height, by_turn } = ball.at::<PLANAR>(towards, pose);
+        let [va, vr, vt] = motion.velocity;
+        let per_radius = 1.0 / motion.radius;
+        let per_distance = 1.0 / larger(penetration + self.touch_distance, f64::MIN_POSITIVE);
+        let frame = [vt * per_radius, 0.0, per_distance * (va * across.0 + vr * across.1)];
+        let aside = -per_distance * by_turn[2];
+        OnBall {
+            height,
+            rise: dot(by_turn, subtract(frame, motion.spin)),
+            force: [aside * across.0, aside * across.1, -per_radius * by_turn[0]],
+            moment: by_turn,
         }
     }
 

@@ -54,14 +54,14 @@ const LARGEST_DEVIATION: f64 = 0.01;
 const NAMES: WaveNames = WaveNames {
     waviness: "surfaces.balls.waviness",
     wave: ["surfaces.balls.waviness.order", "surfaces.balls.waviness.amplitude", "surfaces.balls.waviness.phase"],
-    random: [
-        "surfaces.balls.random_waviness.amplitude",
-        "surfaces.balls.random_waviness.at_order",
-        "surfaces.balls.random_waviness.exponent",
-        "surfaces.balls.random_waviness.from_order",
-        "surfaces.balls.random_waviness.to_order",
-    ],
 };
+const RANDOM_OF_A_BALL: [&str; 5] = [
+    "surfaces.balls.random_waviness.amplitude",
+    "surfaces.balls.random_waviness.at_order",
+    "surfaces.balls.random_waviness.exponent",
+    "surfaces.balls.random_waviness.from_order",
+    "surfaces.balls.random_waviness.to_order",
+];
 const RANDOM_OF_EVERY_BALL: [&str; 5] = [
     "surfaces.every_ball.random_waviness.amplitude",
     "surfaces.every_ball.random_waviness.at_order",
@@ -73,17 +73,32 @@ const RANDOM_OF_EVERY_BALL: [&str; 5] = [
 impl BallSurface {
     /// Returns true for a smooth ball of the nominal diameter.
     pub fn is_ideal(&self) -> bool {
-        self.diameter_deviation == 0.0
-            && self.waviness.iter().all(|wave| wave.amplitude == 0.0)
+        self.diameter_deviation == 0.0 && self.is_sphere()
+    }
+
+    /// Returns true for a ball of any diameter without waves and defects.
+    pub fn is_sphere(&self) -> bool {
+        self.waviness.iter().all(|wave| wave.amplitude == 0.0)
             && self.random_waviness.iter().all(|random| random.amplitude == 0.0)
-            && self.defects.iter().all(|defect| defect.depth == 0.0)
+            && !self.has_defects()
+    }
+
+    /// Returns true where a defect has a depth.
+    pub(crate) fn has_defects(&self) -> bool {
+        self.defects.iter().any(|defect| defect.depth > 0.0)
+    }
+
+    /// All waves, those given first. `first_zero`: the order that ends drawn waves by default; `index`: number of the ball's surface.
+    pub(crate) fn waves(&self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> + '_ {
+        let drawn = self.random_waviness.iter().flat_map(move |random| random.waves(first_zero, index, seed));
+        self.waviness.iter().copied().chain(drawn).filter(|wave| wave.amplitude != 0.0)
     }
 
     fn check(&self, faults: &mut Faults) {
         faults.check("surfaces.balls.diameter_deviation", self.diameter_deviation);
         NAMES.check_waves(&self.waviness, MOST_WAVES, faults);
         for random in &self.random_waviness {
-            random.check(&NAMES.random, faults);
+            random.check(&RANDOM_OF_A_BALL, faults);
         }
         if self.defects.len() > MOST_BALL_DEFECTS {
             let reason = format!("{} defects: at most {MOST_BALL_DEFECTS}", self.defects.len());

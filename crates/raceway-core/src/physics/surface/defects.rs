@@ -374,7 +374,7 @@ impl DefectEdges {
     }
 }
 
-/// A part of a ring within which steps are limited.
+/// A part of a ring, or of a ball, within which steps are limited.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DefectReach {
     /// Azimuth of its middle on the ring [rad].
@@ -387,7 +387,12 @@ pub(crate) struct DefectReach {
 impl DefectReach {
     /// Angle that a ball at an azimuth on the ring may roll in one step [rad]: up to the entry, or a share of its contact.
     pub(crate) fn largest_angle(&self, azimuth: f64) -> f64 {
-        larger(wrapped(azimuth - self.azimuth).abs() - self.half_angle, self.step)
+        self.largest_angle_from(wrapped(azimuth - self.azimuth).abs())
+    }
+
+    /// Angle that a ball may roll in one step at an angle from the defect's middle [rad].
+    pub(crate) fn largest_angle_from(&self, angle: f64) -> f64 {
+        larger(angle - self.half_angle, self.step)
     }
 }
 

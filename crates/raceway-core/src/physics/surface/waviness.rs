@@ -40,6 +40,8 @@ pub struct RacewaySurface {
     pub waviness: Vec<Wave>,
     /// Adds to `waviness`.
     pub random_waviness: Option<RandomWaviness>,
+    /// Waves of the groove's place along +X.
+    pub axial_waviness: Vec<Wave>,
     pub defects: Vec<Defect>,
 }
 
@@ -85,12 +87,13 @@ pub const MOST_WAVES: usize = 64;
 pub(super) struct WaveNames {
     pub(super) waviness: &'static str,
     pub(super) wave: [&'static str; 3],
-    pub(super) random: [&'static str; 5],
 }
 
 /// Names of the parameters of one raceway, in the order of the fields.
 struct Names {
     waves: WaveNames,
+    axial: WaveNames,
+    random: [&'static str; 5],
     defects: &'static str,
     defect: [&'static str; 5],
 }
@@ -104,12 +107,20 @@ const NAMES: PerRaceway<Names> = PerRaceway {
                 "surfaces.inner.waviness.amplitude",
                 "surfaces.inner.waviness.phase",
             ],
-            random: [
-                "surfaces.inner.random_waviness.amplitude",
-                "surfaces.inner.random_waviness.at_order",
-                "surfaces.inner.random_waviness.exponent",
-                "surfaces.inner.random_waviness.from_order",
-                "surfaces.inner.random_waviness.to_order",
+        },
+        random: [
+            "surfaces.inner.random_waviness.amplitude",
+            "surfaces.inner.random_waviness.at_order",
+            "surfaces.inner.random_waviness.exponent",
+            "surfaces.inner.random_waviness.from_order",
+            "surfaces.inner.random_waviness.to_order",
+        ],
+        axial: WaveNames {
+            waviness: "surfaces.inner.axial_waviness",
+            wave: [
+                "surfaces.inner.axial_waviness.order",
+                "surfaces.inner.axial_waviness.amplitude",
+                "surfaces.inner.axial_waviness.phase",
             ],
         },
         defects: "surfaces.inner.defects",
@@ -129,12 +140,20 @@ const NAMES: PerRaceway<Names> = PerRaceway {
                 "surfaces.outer.waviness.amplitude",
                 "surfaces.outer.waviness.phase",
             ],
-            random: [
-                "surfaces.outer.random_waviness.amplitude",
-                "surfaces.outer.random_waviness.at_order",
-                "surfaces.outer.random_waviness.exponent",
-                "surfaces.outer.random_waviness.from_order",
-                "surfaces.outer.random_waviness.to_order",
+        },
+        random: [
+            "surfaces.outer.random_waviness.amplitude",
+            "surfaces.outer.random_waviness.at_order",
+            "surfaces.outer.random_waviness.exponent",
+            "surfaces.outer.random_waviness.from_order",
+            "surfaces.outer.random_waviness.to_order",
+        ],
+        axial: WaveNames {
+            waviness: "surfaces.outer.axial_waviness",
+            wave: [
+                "surfaces.outer.axial_waviness.order",
+                "surfaces.outer.axial_waviness.amplitude",
+                "surfaces.outer.axial_waviness.phase",
             ],
         },
         defects: "surfaces.outer.defects",
@@ -154,9 +173,35 @@ impl Surfaces {
         self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal() && self.balls.is_empty()
     }
 
-    /// Returns true where a raceway has a defect.
+    /// Returns true where the place of a groove along the axis is wavy.
+    pub(crate) fn have_axial_waves(&self) -> bool {
+        self.raceway.inner.has_axial_waves() || self.raceway.outer.has_axial_waves()
+    }
+
+    /// Returns true where a raceway or a ball has a defect.
     pub(crate) fn have_defects(&self) -> bool {
-        self.raceway.inner.has_defects() || self.raceway.outer.has_defects()
+        self.raceway.inner.has_defects() || self.raceway.outer.has_defects() || self.balls_have_defects()
+    }
+
+    /// Returns true where a ball has a defect.
+    pub(crate) fn balls_have_defects(&self) -> bool {
+        self.balls.iter().any(BallSurface::has_defects)
+    }
+
+    /// Returns true where a ball is no sphere: it has waves or defects.
+    pub(crate) fn have_uneven_balls(&self) -> bool {
+        !self.balls.iter().all(BallSurface::is_sphere)
+    }
+
+    /// Returns true where balls may show odd orders of their spin: one has a defect, or their waves differ. Drawn phases do.
+    pub(crate) fn have_odd_ball_orders(&self) -> bool {
+        let differ = self.balls.windows(2).any(|pair| pair[0].waviness != pair[1].waviness);
+        differ || self.balls.iter().any(|ball| !ball.random_waviness.is_empty() || ball.has_defects())
+    }
+
+    /// Returns true where a defect of a ball lies beside the ball's equator.
+    pub(crate) fn have_defects_beside_track(&self) -> bool {
+        self.balls.iter().flat_map(|ball| &ball.defects).any(|defect| defect.depth > 0.0 && defect.latitude != 0.0)
     }
 
     /// Returns true where a defect is not symmetric about the groove's bottom, so that its edge pushes balls along the axis.
@@ -247,6 +292,12 @@ impl RacewaySurface {
         self.waviness.iter().all(|wave| wave.amplitude == 0.0)
             && self.random_waviness.is_none_or(|random| random.amplitude == 0.0)
             && !self.has_defects()
+            && !self.has_axial_waves()
+    }
+
+    /// Returns true where the groove's place along the axis is wavy.
+    pub(crate) fn has_axial_waves(&self) -> bool {
+        self.axial_waviness.iter().any(|wave| wave.amplitude != 0.0)
     }
 
     /// Returns true where a defect has a depth.
@@ -272,8 +323,9 @@ impl RacewaySurface {
 
     fn check(&self, names: &Names, faults: &mut Faults) {
         names.waves.check_waves(&self.waviness, MOST_WAVES, faults);
+        names.axial.check_waves(&self.axial_waviness, MOST_WAVES, faults);
         if let Some(random) = &self.random_waviness {
-            random.check(&names.waves.random, faults);
+            random.check(&names.random, faults);
         }
         if self.defects.len() > MOST_DEFECTS {
             faults.inconsistent(names.defects, format!("{} defects: at most {MOST_DEFECTS}", self.defects.len()));
@@ -291,15 +343,20 @@ impl RacewaySurface {
     /// All waves, those given first. `first_zero`: the order that ends drawn waves by default. `index`: `OUTER` or
     /// `INNER`.
     fn waves(&self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> + '_ {
-        let drawn = self.random_waviness.into_iter().flat_map(move |random| {
-            let last = random.to_order.unwrap_or(first_zero as u32);
-            (random.from_order..=last).map(move |order| Wave {
-                order,
-                amplitude: random.amplitude * power(f64::from(order) / f64::from(random.at_order), -random.exponent),
-                phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
-            })
-        });
+        let drawn = self.random_waviness.into_iter().flat_map(move |random| random.waves(first_zero, index, seed));
         self.waviness.iter().copied().chain(drawn).filter(|wave| wave.amplitude != 0.0)
+    }
+}
+
+impl RandomWaviness {
+    /// The waves with their drawn phases. `first_zero`: the order that ends them by default; `index`: number of the surface.
+    pub(super) fn waves(self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> {
+        let last = self.to_order.unwrap_or(first_zero as u32);
+        (self.from_order..=last).map(move |order| Wave {
+            order,
+            amplitude: self.amplitude * power(f64::from(order) / f64::from(self.at_order), -self.exponent),
+            phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
+        })
     }
 }
 
@@ -400,8 +457,13 @@ impl AveragingContact {
 
     /// The waves of a surface. `index`: `OUTER` or `INNER`.
     pub fn sorted(&self, surface: &RacewaySurface, index: u64, seed: u64) -> SortedWaves {
+        self.sorted_waves(surface.waves(self.first_zero(), index, seed))
+    }
+
+    /// Some waves.
+    pub(crate) fn sorted_waves(&self, waves: impl Iterator<Item = Wave>) -> SortedWaves {
         let mut sorted = SortedWaves::default();
-        for wave in surface.waves(self.first_zero(), index, seed) {
+        for wave in waves {
             match self.omission(wave.order) {
                 Some(omission) => sorted.left_out.push((wave.order, omission)),
                 None => sorted.kept.push(KeptWave {

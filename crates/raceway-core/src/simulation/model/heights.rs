@@ -1,21 +1,25 @@
-//! Heights of wavy raceways in the models whose balls are in radial equilibrium between both.
+//! Heights of wavy raceways and balls in the models whose balls are in radial equilibrium between both raceways.
 //!
 //! Heights add to the approach of the raceways, D = s_r − s_t²/(2r) − P_d/2 + h_i + h_e, and the ball stands at r = r₀ + δ_e − h_e. Each
 //! raceway pushes the ball along the orbit by −Q h'/r, where r is the distance of the ball from the raceway's axis. The raceway takes the
-//! opposite force.
+//! opposite force. The height of a ball depends on the longitude of the contact on it and pushes in the same way; it also turns the ball by
+//! the moment Q h'.
 
-use crate::numerics::lanes::{Lanes, Real, side_by_side};
+use std::sync::Arc;
+
+use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, side_by_side};
 use crate::physics::bearing::PerRaceway;
+use crate::physics::surface::sphere::SphereProfile;
 use crate::physics::surface::{Rise, SurfaceProfile};
 use crate::simulation::model::mechanism::Mechanism;
 
-/// Heights of both raceways under a ball.
+/// Heights of both raceways under a ball, by azimuth, and of the ball at both contacts, by longitude.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Heights<T = f64> {
-    pub inner: Rise<T>,
-    pub outer: Rise<T>,
+    pub raceway: PerRaceway<Rise<T>>,
+    pub ball: PerRaceway<Rise<T>>,
 }
-side_by_side!(Heights { inner, outer });
+side_by_side!(Heights { raceway, ball });
 
 /// A height [m] and its rates in time [m/s, m/s²].
 #[derive(Debug, Clone, Copy, Default)]
@@ -26,15 +30,32 @@ pub(crate) struct Lift<T = f64> {
 }
 
 impl<T: Real> Heights<T> {
-    /// Lift of each raceway on which a ball moves on at an angular speed [rad/s]. Changes of that speed lift a ball much less.
+    /// Lift of each raceway on which a ball moves on at an angular speed, while the ball turns at another [rad/s]. Changes of these speeds
+    /// lift a ball much less.
     #[inline(always)]
-    pub(crate) fn lifts(&self, speed: PerRaceway<T>) -> PerRaceway<Lift<T>> {
-        let one = |rise: &Rise<T>, speed: T| Lift {
-            height: rise.height,
-            rate: rise.slope * speed,
-            acceleration: rise.curvature * (speed * speed),
+    pub(crate) fn lifts(&self, speed: PerRaceway<T>, of_contact: PerRaceway<T>, spin: T) -> PerRaceway<Lift<T>> {
+        let one = |raceway: &Rise<T>, ball: &Rise<T>, speed: T, of_contact: T| {
+            let turning = of_contact - spin;
+            Lift {
+                height: raceway.height + ball.height,
+                rate: raceway.slope * speed + ball.slope * turning,
+                acceleration: raceway.curvature * (speed * speed) + ball.curvature * (turning * turning),
+            }
         };
-        PerRaceway { inner: one(&self.inner, speed.inner), outer: one(&self.outer, speed.outer) }
+        let Self { raceway, ball } = self;
+        PerRaceway {
+            inner: one(&raceway.inner, &ball.inner, speed.inner, of_contact.inner),
+            outer: one(&raceway.outer, &ball.outer, speed.outer, of_contact.outer),
+        }
+    }
+
+    /// Slopes of raceway and ball together, which push the ball along the orbit [m/rad].
+    #[inline(always)]
+    pub(crate) fn slopes(&self) -> PerRaceway<T> {
+        PerRaceway {
+            inner: self.raceway.inner.slope + self.ball.inner.slope,
+            outer: self.raceway.outer.slope + self.ball.outer.slope,
+        }
     }
 }
 
@@ -47,26 +68,65 @@ impl<const N: usize> Heights<Lanes<N>> {
             slope: rise.slope.single(),
             curvature: rise.curvature.single(),
         };
-        Heights { inner: one(&self.inner), outer: one(&self.outer) }
+        let both = |pair: &PerRaceway<Rise<Lanes<N>>>| PerRaceway { inner: one(&pair.inner), outer: one(&pair.outer) };
+        Heights { raceway: both(&self.raceway), ball: both(&self.ball) }
     }
 }
 
-/// The raceways of a scene with waves.
+/// Raceways and balls of a scene with waves.
 #[derive(Debug, Clone)]
 pub(crate) struct Waves {
     surface: PerRaceway<SurfaceProfile>,
+    /// `None`: all balls are spheres.
+    balls: Option<PerRaceway<Arc<[Option<SphereProfile>]>>>,
 }
 
 impl Waves {
-    /// The waves of a mechanism; `None` where both raceways are ideal circles.
+    /// The waves of a planar mechanism; `None` where both raceways are ideal circles and all balls spheres.
     pub(crate) fn of(mechanism: &Mechanism) -> Option<Self> {
         let surface = mechanism.raceway.map(|contact| contact.surface().clone());
-        (!(surface.inner.is_ideal() && surface.outer.is_ideal())).then_some(Self { surface })
+        let balls = mechanism.layout.attitude.then(|| mechanism.raceway.map(|contact| contact.shared_balls()));
+        let is_ideal = surface.inner.is_ideal() && surface.outer.is_ideal() && balls.is_none();
+        (!is_ideal).then_some(Self { surface, balls })
     }
 
-    /// Heights at the azimuths of several balls on both rings [rad].
+    /// Returns true where a ball has waves.
+    #[inline(always)]
+    pub(crate) fn are_of_balls(&self) -> bool {
+        self.balls.is_some()
+    }
+
+    /// Heights of both rings at the azimuths of several balls [rad].
     #[inline(always)]
     pub(crate) fn at<const N: usize>(&self, azimuth: &PerRaceway<Lanes<N>>) -> Heights<Lanes<N>> {
-        Heights { inner: self.surface.inner.rises(&azimuth.inner), outer: self.surface.outer.rises(&azimuth.outer) }
+        let raceway = PerRaceway {
+            inner: self.surface.inner.rises(&azimuth.inner),
+            outer: self.surface.outer.rises(&azimuth.outer),
+        };
+        Heights { raceway, ..Heights::default() }
+    }
+
+    /// Heights of balls at the longitudes of both contacts [rad]; 0 for spheres. `ball`: the ball in a lane, if there is one.
+    #[inline(never)]
+    pub(crate) fn of_balls(
+        &self,
+        ball: impl Fn(usize) -> Option<usize>,
+        longitude: &PerRaceway<Lanes>,
+    ) -> PerRaceway<Rise<Lanes>> {
+        let one = |balls: &[Option<SphereProfile>], longitude: &Lanes| {
+            let mut rises = Rise::<Lanes>::default();
+            for lane in 0..LANES {
+                if let Some(ball) = ball(lane).and_then(|ball| balls.get(ball)?.as_ref()) {
+                    rises.put(lane, ball.on_track(longitude[lane]));
+                }
+            }
+            rises
+        };
+        match &self.balls {
+            None => PerRaceway::default(),
+            Some(PerRaceway { inner, outer }) => {
+                PerRaceway { inner: one(inner, &longitude.inner), outer: one(outer, &longitude.outer) }
+            }
+        }
     }
 }

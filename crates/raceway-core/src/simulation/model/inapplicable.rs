@@ -30,6 +30,14 @@ pub enum Inapplicable {
     Misaligned,
     #[error("a defect lies beside the groove's bottom (across_mm) and pushes balls along X")]
     DefectBesideBottom,
+    #[error("waves of a groove along the axis (axial_waviness) push balls along X")]
+    AxialWaves,
+    #[error("a defect of a ball lies beside the ball's equator (latitude_deg) and pushes the ball along X")]
+    DefectBesideTrack,
+    #[error(
+        "waves of balls (scene.surfaces.balls, every_ball) turn with the balls, and no passage repeats the last one"
+    )]
+    BallWaves,
     #[error("without a cage balls touch each other, and this model has no contact between balls")]
     NoCage,
     #[error(

@@ -47,7 +47,7 @@ pub struct Mechanism {
     /// Radius of the largest ball less the nominal one [m]; `None`: all balls are nominal.
     pub(crate) largest_oversize: Option<f64>,
     pub raceway: PerRaceway<RacewayContact>,
-    /// Highest frequency at which waves of the raceways pass a ball [Hz]; 0 on ideal circles.
+    /// Highest frequency at which waves of raceways and balls pass a contact [Hz]; 0 without waves.
     pub(crate) wave_frequency: f64,
     /// Longest step that resolves the path over a defect at the largest speed [s]; infinite without defects and at rest.
     pub(crate) defect_step: f64,
@@ -55,6 +55,8 @@ pub struct Mechanism {
     pub(crate) defects: PerRaceway<Vec<DefectReach>>,
     /// Places that balls are observed at; `None` on ideal circles.
     pub(crate) sites: Option<SurfaceSites>,
+    /// Each ball, where one is no sphere; else empty.
+    pub(crate) uneven_balls: Vec<UnevenBall>,
     pub pocket: Pocket,
     /// Contact of neighbouring balls; `None`: a cage keeps them apart.
     pub neighbours: Option<NeighbourContact>,
@@ -79,6 +81,17 @@ pub struct Mechanism {
     pub(crate) perturbation: Option<InitialPerturbation>,
     /// Damping of the start-up phase, which is no part of the scene.
     pub(crate) damping: Option<FadingDamping>,
+}
+
+/// A ball that may have waves and defects, as it lies at the start.
+#[derive(Debug, Clone)]
+pub(crate) struct UnevenBall {
+    /// Its axes in the orbit frame; the second points to the outer contact at rest, the third along the orbit.
+    pub axes: [Vector; 3],
+    /// Heights at both contacts at rest [m].
+    pub heights: PerRaceway<f64>,
+    /// Directions of its defects in its own frame, and how they limit steps.
+    pub defects: PerRaceway<Vec<(Vector, DefectReach)>>,
 }
 
 /// Start azimuths by column.
@@ -122,7 +135,7 @@ impl Mechanism {
         self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
-    /// Returns true where a raceway has a defect.
+    /// Returns true where a raceway or a ball has a defect.
     pub(crate) fn has_defects(&self) -> bool {
         self.defect_step.is_finite()
     }
@@ -139,7 +152,7 @@ impl Mechanism {
         }
     }
 
-    /// Longest step that resolves the waves of the raceways [s]; infinite on ideal circles.
+    /// Longest step that resolves the waves of raceways and balls [s]; infinite without waves.
     pub(crate) fn longest_wave_step(&self) -> f64 {
         1.0 / (STEPS_PER_WAVE * self.wave_frequency)
     }
@@ -176,6 +189,7 @@ impl Mechanism {
                 planar: needs.rung == ModelLevel::Planar,
                 cage: needs.cage,
                 axial_spindle: needs.axial_spindle,
+                attitude: false,
             },
             speed: scene.operation.speed.clone(),
             orbit_ratio,
@@ -192,6 +206,7 @@ impl Mechanism {
             defect_step: f64::INFINITY,
             defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
             sites: None,
+            uneven_balls: Vec::new(),
             pocket,
             neighbours: (!needs.cage)
                 .then(|| NeighbourContact::new(bearing, &scene.cage, &scene.lubricant, needs.pocket)),

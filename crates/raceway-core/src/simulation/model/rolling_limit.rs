@@ -1,11 +1,12 @@
-//! Longest step of error control near defects of the raceways. Between two balls nothing announces an edge, and a long step would pass
+//! Longest step of error control near defects of raceways and balls. Between two balls nothing announces an edge, and a long step would pass
 //! over the whole defect.
 
 use crate::numerics::angle::small_angle;
 use crate::physics::bearing::PerRaceway;
-use crate::physics::frames::Azimuth;
+use crate::physics::frames::{Azimuth, Vector, add, length, scale, subtract};
+use crate::physics::raceway::RacewayContact;
 use crate::physics::surface::defects::DefectReach;
-use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::mechanism::{Mechanism, UnevenBall};
 
 /// End of the next step of error control [s], no later than `stop`. The way to the stop is divided into equal steps.
 pub(crate) fn end_of_step(mechanism: &Mechanism, time: f64, state: &[f64], stop: f64) -> f64 {
@@ -38,5 +39,43 @@ fn longest_step(mechanism: &Mechanism, time: f64, state: &[f64]) -> f64 {
         let turn = small_angle(mechanism.pitch_radius + ball.radial - towards, -along);
         limit(inner, azimuth + turn - angle, rate - speed);
     }
-    longest
+    (0..mechanism.uneven_balls.len()).map(|index| on_ball(mechanism, time, state, index)).fold(longest, f64::min)
+}
+
+/// The same of the defects of a ball, by the angles between their directions and those of the contacts.
+fn on_ball(mechanism: &Mechanism, time: f64, state: &[f64], index: usize) -> f64 {
+    let UnevenBall { axes, defects: PerRaceway { inner, outer }, .. } = &mechanism.uneven_balls[index];
+    if inner.is_empty() && outer.is_empty() {
+        return f64::INFINITY;
+    }
+    let (layout, (angle, speed, _)) = (&mechanism.layout, mechanism.speed.at(time));
+    let (ball, attitude) = (layout.ball(state, index), layout.attitude(state, index));
+    let [about_x, about_r, about_t] = ball.spin;
+    let ratio = mechanism.spin_ratio - mechanism.orbit_ratio;
+    let turning = [about_x + ratio * speed - ball.arc_velocity / mechanism.pitch_radius, about_r, about_t];
+    let axes = attitude.axes(axes, Azimuth::new(ratio * angle), layout.planar);
+    let azimuth = mechanism.start.angle[index] + mechanism.orbit_ratio * angle + ball.arc / mechanism.pitch_radius;
+    let at = [ball.axial, mechanism.pitch_radius + ball.radial, 0.0];
+    let [x, towards, along] = Azimuth::new(azimuth).to_orbit(layout.spindle(state).position);
+    let from_spindle = subtract(at, [x + mechanism.axial_offset, towards, along]);
+    let nearest = |contact: &RacewayContact, defects: &[(Vector, DefectReach)], from: Vector| {
+        let (_, (axial, radial)) = match layout.planar {
+            true => contact.penetration::<true>(0.0, from[1]),
+            false => contact.penetration::<false>(from[0], from[1]),
+        };
+        let angle = |&(direction, reach): &(Vector, DefectReach)| {
+            let [one, two, three] = direction;
+            let direction = add(scale(one, axes[0]), add(scale(two, axes[1]), scale(three, axes[2])));
+            reach.largest_angle_from(angle_between([axial, radial, 0.0], direction))
+        };
+        defects.iter().map(angle).fold(f64::INFINITY, f64::min)
+    };
+    let PerRaceway { inner: on_inner, outer: on_outer } = &mechanism.raceway;
+    nearest(on_inner, inner, from_spindle).min(nearest(on_outer, outer, at)) / length(turning)
+}
+
+/// Angle between two directions [rad].
+fn angle_between(a: Vector, b: Vector) -> f64 {
+    // By half of it, which small_angle knows to 1e-7 and better.
+    2.0 * small_angle(length(add(a, b)), length(subtract(a, b)))
 }

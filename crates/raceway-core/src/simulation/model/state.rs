@@ -79,6 +79,32 @@ impl BallState {
     }
 }
 
+/// Deviation of a ball's attitude from that of ideal rolling, or its rates. In the plane the first entry is the angle about X [rad]. Else
+/// the four are a rotation of the ball as it was at the start, as a quaternion less 1; they are normalised where they are used.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BallAttitude<T = f64>(pub [T; 4]);
+
+impl<const N: usize> SideBySide for BallAttitude<Lanes<N>> {
+    type One = BallAttitude;
+
+    #[inline(always)]
+    fn at(&self, lane: usize) -> BallAttitude {
+        BallAttitude(self.0.at(lane))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, lane: usize, one: BallAttitude) {
+        self.0.put(lane, one.0);
+    }
+}
+
+impl BallAttitude {
+    /// `a · self + b · other`.
+    pub(crate) fn combined(&self, a: f64, other: &Self, b: f64) -> Self {
+        Self(std::array::from_fn(|i| a * self.0[i] + b * other.0[i]))
+    }
+}
+
 /// Deviations of the cage, or their rates.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CageState {
@@ -127,6 +153,8 @@ pub struct Layout {
     pub cage: bool,
     /// The spindle moves along X.
     pub axial_spindle: bool,
+    /// Balls have an attitude, because the surface of one is not that of a sphere.
+    pub attitude: bool,
 }
 
 /// Natural sizes of the entries: the allowed error of a state is the relative tolerance times these.
@@ -141,6 +169,8 @@ mod size {
     pub(crate) const ARC_VELOCITY: f64 = 1e-1;
     /// [rad/s]
     pub(crate) const SPIN: f64 = 100.0;
+    /// An arc over the radius of a ball [rad]. No entry that does not drift has this size.
+    pub(crate) const ATTITUDE: f64 = 5e-3;
     /// [rad]
     pub(crate) const TILT: f64 = 1e-4;
     /// [rad/s]
@@ -159,6 +189,13 @@ const BALL_NAMES: [(&str, f64); 9] = [
     ("spin about the orbit", size::SPIN),
 ];
 const PLANAR_BALL: [usize; 5] = [1, 2, 4, 5, 6];
+const ATTITUDE_NAMES: [(&str, f64); 4] = [
+    ("attitude", size::ATTITUDE),
+    ("attitude about x", size::ATTITUDE),
+    ("attitude about the radius", size::ATTITUDE),
+    ("attitude about the orbit", size::ATTITUDE),
+];
+const PLANAR_ATTITUDE: [usize; 1] = [1];
 const CAGE_NAMES: [(&str, f64); 12] = [
     ("x position", size::POSITION),
     ("y position", size::POSITION),
@@ -188,9 +225,26 @@ const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
 pub(crate) const MAX_BORDER: usize = 18;
 
 impl Layout {
-    /// Number of entries of a ball.
-    pub(crate) fn ball_size(&self) -> usize {
+    /// Number of entries of a ball's motion.
+    #[inline(always)]
+    pub(crate) fn motion_size(&self) -> usize {
         if self.planar { 5 } else { 9 }
+    }
+
+    /// Number of entries of a ball's attitude.
+    #[inline(always)]
+    pub(crate) fn attitude_size(&self) -> usize {
+        match (self.attitude, self.planar) {
+            (false, _) => 0,
+            (true, true) => 1,
+            (true, false) => 4,
+        }
+    }
+
+    /// Number of entries of a ball.
+    #[inline(always)]
+    pub(crate) fn ball_size(&self) -> usize {
+        self.motion_size() + self.attitude_size()
     }
 
     /// Number of entries of the cage.
@@ -232,15 +286,45 @@ impl Layout {
 
     #[inline(always)]
     pub fn ball(&self, y: &[f64], ball: usize) -> BallState {
-        let mut entries = [0.0; 9];
-        entries[..self.ball_size()].copy_from_slice(&y[ball * self.ball_size()..][..self.ball_size()]);
+        let (mut entries, size) = ([0.0; 9], self.motion_size());
+        entries[..size].copy_from_slice(&y[ball * self.ball_size()..][..size]);
         BallState::from_entries(entries, self.planar)
     }
 
     #[inline(always)]
     pub fn set_ball(&self, y: &mut [f64], ball: usize, s: &BallState) {
-        let size = self.ball_size();
-        y[ball * size..][..size].copy_from_slice(&s.entries(self.planar)[..size]);
+        let size = self.motion_size();
+        y[ball * self.ball_size()..][..size].copy_from_slice(&s.entries(self.planar)[..size]);
+    }
+
+    /// Attitude of a ball; that of ideal rolling where the layout has none.
+    #[inline(always)]
+    pub fn attitude(&self, y: &[f64], ball: usize) -> BallAttitude {
+        let (mut entries, size) = ([0.0; 4], self.attitude_size());
+        entries[..size].copy_from_slice(&y[ball * self.ball_size() + self.motion_size()..][..size]);
+        BallAttitude(entries)
+    }
+
+    #[inline(always)]
+    pub fn set_attitude(&self, y: &mut [f64], ball: usize, attitude: &BallAttitude) {
+        let size = self.attitude_size();
+        y[ball * self.ball_size() + self.motion_size()..][..size].copy_from_slice(&attitude.0[..size]);
+    }
+
+    /// Attitudes of the balls from `first` on, side by side; lanes beyond the last ball repeat it.
+    pub(crate) fn attitudes(&self, y: &[f64], first: usize) -> BallAttitude<Lanes> {
+        let mut attitudes = BallAttitude::default();
+        for lane in 0..LANES {
+            attitudes.put(lane, self.attitude(y, (first + lane).min(self.balls - 1)));
+        }
+        attitudes
+    }
+
+    /// Writes attitudes back into the state; lanes beyond the last ball are dropped.
+    pub(crate) fn set_attitudes(&self, y: &mut [f64], first: usize, attitudes: &BallAttitude<Lanes>) {
+        for lane in 0..LANES.min(self.balls - first) {
+            self.set_attitude(y, first + lane, &attitudes.at(lane));
+        }
     }
 
     /// Balls from `first` on, side by side; lanes beyond the last ball repeat it.
@@ -257,10 +341,11 @@ impl Layout {
     /// Writes balls back into the state; lanes beyond the last ball are dropped.
     #[inline(always)]
     pub(crate) fn set_side_by_side<const PLANAR: bool>(&self, y: &mut [f64], first: usize, s: &BallState<Lanes>) {
-        let size = Self { planar: PLANAR, ..*self }.ball_size();
-        let balls = y[first * size..self.balls * size].chunks_exact_mut(size);
+        let layout = Self { planar: PLANAR, ..*self };
+        let (size, block) = (layout.motion_size(), layout.ball_size());
+        let balls = y[first * block..self.balls * block].chunks_exact_mut(block);
         for (lane, ball) in balls.take(LANES).enumerate() {
-            ball.copy_from_slice(&s.at(lane).entries(PLANAR)[..size]);
+            ball[..size].copy_from_slice(&s.at(lane).entries(PLANAR)[..size]);
         }
     }
 
@@ -346,7 +431,10 @@ impl Layout {
             let chosen: Vec<(&str, f64)> = if whole { all.to_vec() } else { some.iter().map(|&i| all[i]).collect() };
             chosen
         };
-        let ball = pick(&BALL_NAMES, &PLANAR_BALL, !self.planar);
+        let mut ball = pick(&BALL_NAMES, &PLANAR_BALL, !self.planar);
+        if self.attitude {
+            ball.extend(pick(&ATTITUDE_NAMES, &PLANAR_ATTITUDE, !self.planar));
+        }
         let cage = if self.cage { pick(&CAGE_NAMES, &PLANAR_CAGE, !self.planar) } else { Vec::new() };
         let spindle = pick(&SPINDLE_NAMES, &RADIAL_SPINDLE, self.axial_spindle);
         let balls = (1..=self.balls)
@@ -366,11 +454,11 @@ impl Layout {
         self.entries().map(|(_, size)| size).collect()
     }
 
-    /// Tolerances of a step: the relative tolerance times the larger of an entry and its size. Arcs and spins drift with the cage, and
-    /// therefore use their size alone.
+    /// Tolerances of a step: the relative tolerance times the larger of an entry and its size. Arcs, spins and attitudes drift with the cage,
+    /// and therefore use their size alone.
     pub fn tolerances(&self, relative: f64) -> Tolerances {
         let sizes = self.sizes();
-        let drifting = |size: f64| size == size::ARC || size == size::SPIN || size == size::ARC_VELOCITY;
+        let drifting = |size: f64| [size::ARC, size::SPIN, size::ARC_VELOCITY, size::ATTITUDE].contains(&size);
         Tolerances {
             relative: sizes.iter().map(|&size| if drifting(size) { 0.0 } else { relative }).collect(),
             absolute: sizes.iter().map(|&size| relative * size).collect(),
@@ -396,20 +484,27 @@ mod tests {
 
     #[test]
     fn written_states_are_read_back_and_named() {
-        for (planar, axial_spindle, dimension) in [(false, false, 79), (false, true, 81), (true, false, 45)] {
-            let layout = Layout { balls: 7, planar, cage: true, axial_spindle };
+        for (planar, axial_spindle, attitude, dimension) in [
+            (false, false, false, 79),
+            (false, true, false, 81),
+            (true, false, false, 45),
+            (false, true, true, 109),
+            (true, false, true, 52),
+        ] {
+            let layout = Layout { balls: 7, planar, cage: true, axial_spindle, attitude };
             assert_eq!(layout.dimension(), dimension);
             assert_eq!(layout.sizes().len(), dimension);
             let y: Vec<f64> = (0..dimension).map(|i| i as f64 + 1.0).collect();
             let mut copy = vec![0.0; dimension];
             for ball in 0..7 {
                 layout.set_ball(&mut copy, ball, &layout.ball(&y, ball));
+                layout.set_attitude(&mut copy, ball, &layout.attitude(&y, ball));
             }
             layout.set_cage(&mut copy, &layout.cage(&y));
             layout.set_spindle(&mut copy, &layout.spindle(&y));
             assert_eq!(copy, y);
         }
-        let layout = Layout { balls: 7, planar: false, cage: true, axial_spindle: false };
+        let layout = Layout { balls: 7, planar: false, cage: true, axial_spindle: false, attitude: false };
         assert_eq!(layout.name(9 * 2 + 4), "radial velocity of ball 3");
         assert_eq!(layout.name(78), "z velocity of the spindle");
         assert_eq!(layout.name(63 + 4), "tilt about y of the cage");

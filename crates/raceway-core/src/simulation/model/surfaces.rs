@@ -1,18 +1,21 @@
-//! Surfaces of the raceways in a model: waves and defects as the contacts of the most loaded ball average them.
+//! Surfaces of raceways and balls in a model: waves and defects as the contacts of the most loaded ball average them.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::surface::SurfaceProfile;
+use crate::physics::surface::ball::{BallSurface, surface_number};
 use crate::physics::surface::defects::{PassingContact, Recess};
+use crate::physics::surface::sphere::{BallPose, BallRecess, SphereProfile};
 use crate::physics::surface::waviness::{
     AveragingContact, INNER, OUTER, RacewaySurface, SortedWaves, smallest_half_width,
 };
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::equilibrium::equilibrium;
-use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::mechanism::{Mechanism, UnevenBall};
+use crate::simulation::model::state::Layout;
 use crate::simulation::model::surface_sites::{LoadZone, SurfaceSites};
 
 /// Waves and defects of one raceway, and the contact that averages them.
@@ -22,6 +25,8 @@ pub struct AveragedSurface {
     pub load: f64,
     pub contact: AveragingContact,
     pub waves: SortedWaves,
+    /// Waves of the groove's place along the axis.
+    pub axial_waves: SortedWaves,
     pub defects: Vec<Recess>,
 }
 
@@ -34,13 +39,9 @@ pub fn averaged_surfaces(ideal: &Mechanism, scene: &Scene) -> Option<PerRaceway<
     if surfaces.are_ideal() {
         return None;
     }
-    let speed = scene.operating_speed();
-    let loads = equilibrium(ideal, speed).map(|rest| rest.loads).unwrap_or_default();
-    let most = |of: fn(&PerRaceway<f64>) -> f64| loads.iter().map(of).fold(0.0, f64::max);
-    let orbit = kinematics::ideal_orbit_ratio(&scene.bearing);
+    let contacts = Contacts::of(ideal, scene);
     let one = |raceway: &RacewayContact, surface: &RacewaySurface, load: f64, turns: f64, index: u64| {
         let (_, half_width) = raceway.hertz().semi_axes(load);
-        let turns = (turns * speed / TAU).abs();
         let contact = AveragingContact { half_width, radius: raceway.bottom_radius(), turns };
         let passing = passing_contact(raceway, load, turns);
         let felt = surface.defects.iter().filter(|defect| defect.depth > 0.0);
@@ -48,14 +49,76 @@ pub fn averaged_surfaces(ideal: &Mechanism, scene: &Scene) -> Option<PerRaceway<
             load,
             contact,
             waves: contact.sorted(surface, index, surfaces.seed),
+            axial_waves: contact
+                .sorted_waves(surface.axial_waviness.iter().copied().filter(|wave| wave.amplitude != 0.0)),
             defects: felt.map(|defect| Recess { defect: *defect, contact: passing }).collect(),
         }
     };
-    let (raceway, surface) = (&ideal.raceway, &surfaces.raceway);
+    let (raceway, surface, Contacts { load, passages, .. }) = (&ideal.raceway, &surfaces.raceway, &contacts);
     Some(PerRaceway {
-        inner: one(&raceway.inner, &surface.inner, most(|load| load.inner), 1.0 - orbit, INNER),
-        outer: one(&raceway.outer, &surface.outer, most(|load| load.outer), orbit, OUTER),
+        inner: one(&raceway.inner, &surface.inner, load.inner, passages.inner, INNER),
+        outer: one(&raceway.outer, &surface.outer, load.outer, passages.outer, OUTER),
     })
+}
+
+/// The contacts that surfaces pass at the largest speed.
+struct Contacts {
+    /// Of the most loaded ball [N].
+    load: PerRaceway<f64>,
+    /// Frequencies at which a ball goes round each ring [Hz].
+    passages: PerRaceway<f64>,
+    /// Frequency at which a ball turns under its contacts [Hz].
+    spin: f64,
+}
+
+impl Contacts {
+    fn of(ideal: &Mechanism, scene: &Scene) -> Self {
+        let speed = scene.operating_speed();
+        let loads = equilibrium(ideal, speed).map(|rest| rest.loads).unwrap_or_default();
+        let most = |of: fn(&PerRaceway<f64>) -> f64| loads.iter().map(of).fold(0.0, f64::max);
+        let orbit = kinematics::ideal_orbit_ratio(&scene.bearing);
+        let frequency = |ratio: f64| (ratio * speed / TAU).abs();
+        Self {
+            load: PerRaceway { inner: most(|load| load.inner), outer: most(|load| load.outer) },
+            passages: PerRaceway { inner: frequency(1.0 - orbit), outer: frequency(orbit) },
+            spin: frequency(kinematics::ideal_spin_ratio(&scene.bearing)),
+        }
+    }
+}
+
+/// Waves and defects of a ball, and the contact with one raceway that averages them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AveragedBall {
+    pub contact: AveragingContact,
+    pub waves: SortedWaves,
+    pub defects: Vec<BallRecess>,
+}
+
+/// Waves and defects of each ball in a scene, as the contacts of both raceways average them; empty where all balls are spheres.
+pub fn averaged_balls(ideal: &Mechanism, scene: &Scene) -> Vec<PerRaceway<AveragedBall>> {
+    if !scene.surfaces.have_uneven_balls() {
+        return Vec::new();
+    }
+    let Contacts { load, passages, spin } = Contacts::of(ideal, scene);
+    let radius = ideal.ball_radius;
+    let one = |(ball, surface): (usize, &BallSurface), raceway: &RacewayContact, load: f64, turns: f64| {
+        let (_, half_width) = raceway.hertz().semi_axes(load);
+        let contact = AveragingContact { half_width, radius, turns: spin };
+        let waves = surface.waves(contact.first_zero(), surface_number(ball), scene.surfaces.seed);
+        let passing = PassingContact { radius, ..passing_contact(raceway, load, turns) };
+        let felt = surface.defects.iter().filter(|defect| defect.depth > 0.0);
+        AveragedBall {
+            contact,
+            waves: contact.sorted_waves(waves),
+            defects: felt.map(|defect| BallRecess::new(defect, passing)).collect(),
+        }
+    };
+    let balls = scene.surfaces.balls.iter().enumerate();
+    let averaged = balls.map(|ball| PerRaceway {
+        inner: one(ball, &ideal.raceway.inner, load.inner, passages.inner),
+        outer: one(ball, &ideal.raceway.outer, load.outer, passages.outer),
+    });
+    averaged.collect()
 }
 
 /// Loads of a ball that passes an azimuth of the outer ring [rad], on ideal raceways at the largest speed [N]; 0 without an equilibrium.
@@ -99,18 +162,85 @@ fn passing_contact(raceway: &RacewayContact, load: f64, turns: f64) -> PassingCo
 /// An ideal mechanism with the surfaces of its scene.
 pub(crate) fn with_surfaces(ideal: Mechanism, scene: &Scene) -> Mechanism {
     let Some(surfaces) = averaged_surfaces(&ideal, scene) else { return ideal };
+    let balls = averaged_balls(&ideal, scene);
     let planar = ideal.layout.planar;
     let profile = |of: &AveragedSurface| SurfaceProfile::new(&of.waves.averaged(), &of.defects, planar);
     let limits = |of: &AveragedSurface| of.defects.iter().map(Recess::reach).collect();
     let reaches = PerRaceway { inner: limits(&surfaces.inner), outer: limits(&surfaces.outer) };
     let (inner, outer) = (profile(&surfaces.inner), profile(&surfaces.outer));
-    let wave_frequency = surfaces.inner.waves.highest_frequency().max(surfaces.outer.waves.highest_frequency());
-    let recesses = surfaces.inner.defects.iter().chain(&surfaces.outer.defects);
+    let waves_of_balls = balls.iter().flat_map(|ball| [&ball.inner.waves, &ball.outer.waves]);
+    let of_ring = |of: &'_ AveragedSurface| [&of.waves, &of.axial_waves].map(SortedWaves::highest_frequency);
+    let of_rings = of_ring(&surfaces.inner).into_iter().chain(of_ring(&surfaces.outer));
+    let wave_frequency = waves_of_balls.map(SortedWaves::highest_frequency).chain(of_rings).fold(0.0, f64::max);
+    let of_balls = balls.iter().flat_map(|ball| ball.inner.defects.iter().chain(&ball.outer.defects));
+    let recesses = surfaces.inner.defects.iter().chain(&surfaces.outer.defects).chain(of_balls.map(|of| &of.recess));
     let defect_step = recesses.map(Recess::longest_step).fold(f64::INFINITY, f64::min);
     let edges = |of: &AveragedSurface| of.defects.iter().map(Recess::edges).collect();
     let defects = PerRaceway { inner: edges(&surfaces.inner), outer: edges(&surfaces.outer) };
     let sites = Some(SurfaceSites { load_zone: load_zone(&ideal, scene.operating_speed()), defects });
-    let PerRaceway { inner: inner_contact, outer: outer_contact } = ideal.raceway;
-    let raceway = PerRaceway { inner: inner_contact.with_surface(inner), outer: outer_contact.with_surface(outer) };
-    Mechanism { raceway, wave_frequency, defect_step, defects: reaches, sites, ..ideal }
+    let PerRaceway { inner: inner_contact, outer: outer_contact } = ideal.raceway.clone();
+    let axial = |of: &AveragedSurface| SurfaceProfile::of_waves(&of.axial_waves.averaged());
+    let raceway = PerRaceway {
+        inner: inner_contact.with_surface(inner).with_axial_waves(axial(&surfaces.inner)),
+        outer: outer_contact.with_surface(outer).with_axial_waves(axial(&surfaces.outer)),
+    };
+    let surfaced = Mechanism { raceway, wave_frequency, defect_step, defects: reaches, sites, ..ideal };
+    if balls.is_empty() { surfaced } else { with_balls(surfaced, &balls) }
+}
+
+/// A mechanism with uneven balls, which lie at the start as on ideal raceways.
+fn with_balls(smooth: Mechanism, balls: &[PerRaceway<AveragedBall>]) -> Mechanism {
+    let planar = smooth.layout.planar;
+    let sphere = |of: &AveragedBall| SphereProfile::new(&of.waves.averaged(), &of.defects, planar);
+    let contacts = |of: fn(&PerRaceway<AveragedBall>) -> &AveragedBall| -> Vec<Option<SphereProfile>> {
+        balls.iter().map(|ball| sphere(of(ball))).collect()
+    };
+    let PerRaceway { inner, outer } = smooth.raceway.clone();
+    let raceway = PerRaceway {
+        inner: inner.with_balls(contacts(|ball| &ball.inner)),
+        outer: outer.with_balls(contacts(|ball| &ball.outer)),
+    };
+    let angles = equilibrium(&smooth, smooth.speed.at(0.0).1).map(|rest| rest.angles).unwrap_or_default();
+    let start = |ball: usize| {
+        let at_rest = angles.get(ball).copied().unwrap_or_default();
+        UnevenBall::at_start(ball, &raceway, &balls[ball], at_rest, planar)
+    };
+    let uneven_balls = (0..balls.len()).map(start).collect();
+    let layout = Layout { attitude: true, ..smooth.layout };
+    Mechanism { layout, raceway, uneven_balls, ..smooth }
+}
+
+impl UnevenBall {
+    /// `at_rest`: sines and cosines of the contact angles, positive where the outer contact lies towards +X.
+    fn at_start(
+        ball: usize,
+        raceway: &PerRaceway<RacewayContact>,
+        averaged: &PerRaceway<AveragedBall>,
+        at_rest: PerRaceway<(f64, f64)>,
+        planar: bool,
+    ) -> Self {
+        // Without an equilibrium all angles are 0.
+        let is_known = |&(_, cosine): &(f64, f64)| !planar && cosine > 0.0;
+        let direction = |angle: &(f64, f64)| if is_known(angle) { *angle } else { (0.0, 1.0) };
+        let PerRaceway { inner, outer } = at_rest.map(direction);
+        let (sine, cosine) = outer;
+        let axes = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];
+        let height = |contact: &RacewayContact, towards: (f64, f64), longitude: f64| {
+            let pose = BallPose { longitude, axes };
+            let of = |sphere: &SphereProfile| match planar {
+                true => sphere.at::<true>(towards, &pose).height,
+                false => sphere.at::<false>(towards, &pose).height,
+            };
+            contact.balls()[ball].as_ref().map_or(0.0, of)
+        };
+        let reaches = |of: &AveragedBall| of.defects.iter().map(|of| (of.direction(), of.recess.reach())).collect();
+        Self {
+            axes,
+            heights: PerRaceway {
+                inner: height(&raceway.inner, (-inner.0, -inner.1), PI),
+                outer: height(&raceway.outer, outer, 0.0),
+            },
+            defects: PerRaceway { inner: reaches(&averaged.inner), outer: reaches(&averaged.outer) },
+        }
+    }
 }

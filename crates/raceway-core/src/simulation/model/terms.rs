@@ -210,6 +210,10 @@ impl Decision<'_> {
             Some(Inapplicable::Misaligned)
         } else if scene.surfaces.push_along_axis() {
             Some(Inapplicable::DefectBesideBottom)
+        } else if scene.surfaces.have_axial_waves() {
+            Some(Inapplicable::AxialWaves)
+        } else if scene.surfaces.have_defects_beside_track() {
+            Some(Inapplicable::DefectBesideTrack)
         } else {
             None
         };
@@ -250,6 +254,9 @@ impl Decision<'_> {
     }
 
     fn orientation(&mut self) {
+        if self.scene.surfaces.have_uneven_balls() {
+            return;
+        }
         self.left_out.push(LeftOut {
             term: "ball_orientation",
             reason: OmissionReason::HomogeneousBalls,

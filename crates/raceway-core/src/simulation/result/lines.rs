@@ -39,6 +39,8 @@ const LARGEST_COST: f64 = 4.2;
 const PLAIN_SIDEBAND: f64 = 1.0;
 /// Share of the tolerance within which a combination fits well.
 const GOOD_FIT: f64 = 0.1;
+/// Share of the tolerance within which orders of a ball's spin fit well. An uneven ball rolls at a speed of its own, some 0.03 % beside the mean.
+const BALL_FIT: f64 = 0.5;
 /// Cost of a deviation at the edge of the tolerance, so that an exact sideband beats a simpler label that deviates. The cost grows with
 /// the root of the deviation: lines of steady motions deviate by less than a hundredth of a bin.
 const DEVIATION_COST: f64 = 3.0;
@@ -48,6 +50,8 @@ const OUTER_SIDEBANDS: i32 = 2;
 const CAGE_SIDEBANDS: i32 = 3;
 /// Labels of the ball passages of the raceways.
 const INNER: &str = "BPFI";
+/// Label of the spin of a ball.
+const BALL: &str = "BSF";
 const OUTER: &str = "BPFO";
 /// Labels of whirl.
 const CAGE_WHIRL: &str = "cage whirl";
@@ -68,6 +72,8 @@ pub(crate) struct LineSources {
     pub spindle_whirl: f64,
     /// The inner raceway has a defect. It turns through the load, so that its lines have several sidebands of the shaft.
     pub inner_defect: bool,
+    /// A ball has odd orders of its spin, too: it has a defect, which the raceways feel differently, or waves that others do not have.
+    pub odd_ball_orders: bool,
     /// Balls or pockets differ. Their pattern turns with the cage, so that its sidebands stand beside every ball passage.
     pub unequal_balls: bool,
 }
@@ -127,6 +133,8 @@ struct Term {
     /// Cost of the first order.
     weight: f64,
     order: i32,
+    /// Order of the name in the first order of the term.
+    unit: i32,
 }
 
 impl Term {
@@ -151,9 +159,13 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
         // A carrier of any order may have one plain sideband, if that fits well. So may any sideband of a defect that turns with the shaft, and
         // of balls that differ.
         let sides: f64 = combination[1..].iter().map(Term::cost).sum();
+        // The cage carries a ball through the load.
         let of_defect = sources.inner_defect && combination[0].name == INNER && combination[2].order == 0;
         let of_balls = sources.unequal_balls && combination[0].name == OUTER && combination[1].order == 0;
-        let plain = (sides <= PLAIN_SIDEBAND || of_defect || of_balls) && deviation.abs() <= GOOD_FIT * tolerance;
+        let of_ball = combination[0].name == BALL;
+        let is_near = |share: f64| deviation.abs() <= share * tolerance;
+        let plain =
+            (sides <= PLAIN_SIDEBAND || of_defect || of_balls) && is_near(GOOD_FIT) || of_ball && is_near(BALL_FIT);
         if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST && !plain) {
             continue;
         }
@@ -168,16 +180,18 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
 /// Combinations with a physical cause that come near the frequency:
 /// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
 /// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
-/// - the strikes of a ball with sidebands of the cage, which carries the ball;
+/// - even orders of the spin of a ball that is no sphere, and odd ones where it has them, with sidebands of the cage, which carries the ball;
 /// - the whirl of cage and spindle, whose rates follow from their motion and not from the bearing's frequencies.
 fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[Term; 3]> {
-    let term = |name, frequency, weight| Term { name, frequency, weight, order: 0 };
+    let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1 };
     let all = &sources.frequencies;
     let shaft = term("f_r", all.shaft, 1.0);
     let cage = term("FTF", all.cage, 1.6);
     let outer = term(OUTER, all.ball_pass_outer, 1.0);
     let inner = term(INNER, all.ball_pass_inner, 1.1);
-    let ball = term("BSF", 2.0 * all.ball_spin, 1.3);
+    let any_ball = term(BALL, all.ball_spin, 1.3);
+    // A ball meets both raceways in a turn.
+    let ball = Term { unit: 2, frequency: 2.0 * all.ball_spin, ..any_ball };
     let usable = |term: &Term| term.frequency >= SEPARATION * tolerance;
     let side = |term: &Term, reach: i32| if usable(term) { -reach..=reach } else { 0..=0 };
 
@@ -200,6 +214,9 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
             carry(shaft, [outer.times(m), cage]);
         }
         carry(ball, [shaft, cage]);
+        if sources.odd_ball_orders {
+            carry(any_ball, [shaft, cage]);
+        }
     }
     for n in side(&shaft, SHAFT_SIDEBANDS) {
         carry(inner, [shaft.times(n), cage]);
@@ -215,7 +232,14 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
             && order <= HIGHEST_CAGE_ORDER
             && (whirl.frequency - order * cage.frequency).abs() <= tolerance
     };
-    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance && !is_driven(whirl);
+    // So does an uneven ball.
+    let at = |of: &[Term; 3]| of.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
+    let is_of_ball = |of: &[Term; 3]| of[0].name == BALL && (frequency - at(of)).abs() <= GOOD_FIT * tolerance;
+    let rolls = found.iter().any(is_of_ball);
+    let near = |whirl: &Term| {
+        let is_near = usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
+        is_near && !is_driven(whirl) && !(rolls && whirl.name == SPINDLE_WHIRL)
+    };
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
 }
@@ -231,8 +255,7 @@ fn written(combination: &[Term; 3]) -> String {
             (false, true) => " + ",
             (false, false) => " − ",
         };
-        // A ball strikes both raceways in a turn, so its lines lie at even orders.
-        let order = term.order.abs() * if term.name == "BSF" { 2 } else { 1 };
+        let order = term.order.abs() * term.unit;
         if order > 1 {
             text += &format!("{order}·");
         }
@@ -261,7 +284,14 @@ mod tests {
     }
 
     fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources {
-        LineSources { frequencies, cage_whirl: 0.0, spindle_whirl: 0.0, inner_defect: false, unequal_balls: false }
+        LineSources {
+            frequencies,
+            cage_whirl: 0.0,
+            spindle_whirl: 0.0,
+            inner_defect: false,
+            odd_ball_orders: false,
+            unequal_balls: false,
+        }
     }
 
     fn labelled(frequency: f64) -> String {
@@ -369,6 +399,25 @@ mod tests {
             assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
         }
         assert_eq!(label(6.0 * f.ball_pass_inner - 2.0 * f.shaft + 5.0, &defect, 1.0).0, "");
+    }
+
+    /// Waves alike on all balls have even orders, a defect of one ball all of them.
+    #[test]
+    fn an_uneven_ball_has_sidebands_of_the_cage() {
+        let f = seven_balls();
+        let even = without_whirl(f);
+        let all = LineSources { odd_ball_orders: true, ..even };
+        for (n, k, text) in [(2.0, -1.0, "2·BSF − FTF"), (6.0, 2.0, "6·BSF + 2·FTF"), (10.0, -1.0, "10·BSF − FTF")]
+        {
+            let frequency = n * f.ball_spin + k * f.cage;
+            assert_eq!(label(frequency, &even, 1.0).0, text);
+            assert_eq!(label(frequency, &all, 1.0).0, text);
+            let whirling = LineSources { spindle_whirl: frequency + 0.2, ..even };
+            assert_eq!(label(frequency, &whirling, 1.0).0, text, "the ball drives the spindle round");
+        }
+        let odd = 3.0 * f.ball_spin + f.cage;
+        assert_eq!(label(odd, &all, 1.0).0, "3·BSF + FTF");
+        assert_ne!(label(odd, &even, 1.0).0, "3·BSF + FTF");
     }
 
     /// Without unequal balls, a sideband of the cage beside a high harmonic has no label.

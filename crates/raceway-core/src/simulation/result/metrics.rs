@@ -258,6 +258,7 @@ pub fn lines(
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
         inner_defect: scene.surfaces.raceway.inner.has_defects(),
+        odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
         unequal_balls: scene.has_unequal_balls(),
     };
     let of_channel = |spectra: &ChannelSpectra| {
@@ -289,15 +290,16 @@ fn allowed_noise(spectrum: &Spectrum, error_db: f64) -> f64 {
     power.sqrt() * (10_f64.powf(error_db / 20.0) - 1.0)
 }
 
-/// Frequencies that can appear in a spectrum, others 0. Unbalance or the surface of its raceway mark the rotation of the inner ring, and
-/// nothing marks that of a smooth ball.
+/// Frequencies that can appear in a spectrum, others 0. Unbalance or the surface of its raceway mark the rotation of the inner ring, waves and
+/// defects that of a ball.
 fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
     let is_balanced = scene.spindle.unbalance_product(scene.operating_speed()) == 0.0;
     let ring = if is_balanced && scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { 1.0 };
+    let ball = if scene.surfaces.have_uneven_balls() { 1.0 } else { 0.0 };
     CharacteristicFrequencies {
         shaft: ring * frequencies.shaft,
         ball_pass_inner: ring * frequencies.ball_pass_inner,
-        ball_spin: 0.0,
+        ball_spin: ball * frequencies.ball_spin,
         ..*frequencies
     }
 }

@@ -196,13 +196,18 @@ pub fn representative_time(scene: &Scene) -> f64 {
     passages.max(turn_of_unequal_balls(scene))
 }
 
-/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
+/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft or of the cage that carries a defect
+/// through the load.
 pub fn longest_passage(scene: &Scene) -> f64 {
-    let turn = match scene.surfaces.raceway.inner.has_defects() {
-        true => TAU / scene.operating_speed().abs(),
-        false => 0.0,
-    };
-    ball_passage(scene).max(turn)
+    let on = |has_defects: bool, turn: f64| if has_defects { turn } else { 0.0 };
+    let shaft = on(scene.surfaces.raceway.inner.has_defects(), TAU / scene.operating_speed().abs());
+    let cage = on(scene.surfaces.balls_have_defects(), cage_turn(scene));
+    ball_passage(scene).max(shaft).max(cage)
+}
+
+/// Time of a turn of the cage [s]; infinite at rest.
+fn cage_turn(scene: &Scene) -> f64 {
+    scene.bearing.parameters.ball_count as f64 * ball_passage(scene)
 }
 
 /// Times of a verification against a richer model: before its window, and of the window [s].
@@ -222,7 +227,7 @@ fn turn_of_inner_waves(scene: &Scene) -> f64 {
 
 /// Time in which every ball has passed the load, a turn of the cage [s]; 0 where all balls are alike and equally spaced.
 pub fn turn_of_unequal_balls(scene: &Scene) -> f64 {
-    let turn = scene.bearing.parameters.ball_count as f64 * ball_passage(scene);
+    let turn = cage_turn(scene);
     if scene.has_unequal_balls() && turn.is_finite() { turn } else { 0.0 }
 }
 

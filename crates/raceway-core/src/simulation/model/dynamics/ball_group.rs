@@ -7,7 +7,7 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::Vector;
 use crate::physics::pocket::PocketSlopes;
 use crate::physics::raceway::ContactSlopes;
-use crate::simulation::model::state::BallState;
+use crate::simulation::model::state::{BallAttitude, BallState};
 use crate::simulation::model::step_loads::StepLoads;
 
 /// Balls side by side: their motion, its rates, and the forces that they exert.
@@ -16,6 +16,9 @@ pub(super) struct Balls {
     pub motion: BallMotion<Lanes>,
     pub rates: BallState<Lanes>,
     pub reaction: Reaction<Lanes>,
+    /// Where balls have an attitude, it is an input.
+    pub attitude: BallAttitude<Lanes>,
+    pub attitude_rates: BallAttitude<Lanes>,
 }
 
 /// Slopes of the loads on balls side by side over their own motion, in their orbit frames.

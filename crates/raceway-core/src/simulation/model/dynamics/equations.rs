@@ -107,9 +107,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             if first > 0 {
                 state = layout.side_by_side::<PLANAR>(y, first);
             }
+            if layout.attitude {
+                balls.attitude = layout.attitudes(y, first);
+            }
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
+            if layout.attitude {
+                layout.set_attitudes(dy, first, &balls.attitude_rates);
+            }
         }
         if let Some(contact) = &self.mechanism.neighbours {
             self.add_neighbours(contact, (y, dy), border.shaft, |ball, load| {
@@ -169,6 +175,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         if m.largest_oversize.is_some() {
             (relative.inner.oversize, relative.outer.oversize) = (bodies.oversize, bodies.oversize);
         }
+        m.raceway.outer.place_in_groove(&mut relative.outer);
+        m.raceway.inner.place_in_groove(&mut relative.inner);
+        let on_balls = m.layout.attitude.then(|| {
+            balls.attitude_rates = self.attitude_rates(state, &balls.attitude, shaft);
+            self.on_balls::<F>(first, &balls.attitude, &relative, &frames, shaft)
+        });
         // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
@@ -185,10 +197,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let of_pocket = slopes.as_deref_mut().map(|slopes| &mut slopes.pocket);
         self.pockets(first, &balls.motion, &pose, &mut in_pocket, &mut places, of_pocket);
         let mut load: PerRaceway<RacewayLoad<Lanes>> = PerRaceway::default();
-        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, &mut load, self.instructions);
+        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, on_balls.as_ref(), &mut load, self.instructions);
         if let Some(slopes) = slopes {
-            m.raceway.outer.slopes::<PLANAR>(&relative.outer, &load.outer, &mut slopes.raceway.outer);
-            m.raceway.inner.slopes::<PLANAR>(&relative.inner, &load.inner, &mut slopes.raceway.inner);
+            let (on_inner, on_outer) = (on_balls.as_ref().map(|on| &on.inner), on_balls.as_ref().map(|on| &on.outer));
+            m.raceway.outer.slopes::<PLANAR>(&relative.outer, on_outer, &load.outer, &mut slopes.raceway.outer);
+            m.raceway.inner.slopes::<PLANAR>(&relative.inner, on_inner, &load.inner, &mut slopes.raceway.inner);
             m.raceway.outer.rolling_speeds(
                 &relative.outer,
                 &slopes.raceway.outer,
@@ -244,7 +257,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Refers azimuths on the inner raceway to its own axis, where it is not a circle.
     #[inline(always)]
     fn turn_azimuths<F: ContactFrame>(&self, frames: &F::Several, relative: &mut RelativeMotion<Lanes>) {
-        if self.mechanism.raceway.inner.surface().is_ideal() {
+        if self.mechanism.raceway.inner.is_circle() {
             return;
         }
         for lane in 0..LANES {
@@ -288,15 +301,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Loads of the inner raceway on the balls from `first` on, and of the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner_part(
-        &self,
-        first: usize,
-        motion: &BallMotion<Lanes>,
-        border: &Border,
-    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+    pub(super) fn inner_part(&self, first: usize, balls: &Balls, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
-            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(first, motion, border, &axis),
-            _ => self.inner_part_in::<StraightFrame>(first, motion, border, &()),
+            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(first, balls, border, &axis),
+            _ => self.inner_part_in::<StraightFrame>(first, balls, border, &()),
         }
     }
 
@@ -304,7 +312,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     fn inner_part_in<F: ContactFrame>(
         &self,
         first: usize,
-        motion: &BallMotion<Lanes>,
+        Balls { motion, attitude, .. }: &Balls,
         border: &Border,
         axis: &F::Axis,
     ) -> (Wrench<Lanes>, Vector<Lanes>) {
@@ -317,11 +325,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             frames.put(lane, frame);
         }
         self.turn_azimuths::<F>(&frames, &mut relative);
+        self.mechanism.raceway.inner.place_in_groove(&mut relative);
         if self.mechanism.largest_oversize.is_some() {
             relative.oversize = self.mechanism.bodies[first / LANES].oversize;
         }
         let mut load = RacewayLoad::<Lanes>::default();
-        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, &mut load, self.instructions);
+        let on_balls = self.mechanism.layout.attitude.then(|| {
+            let poses = self.poses(first, attitude, shaft);
+            self.on_balls_at_inner::<F>(first, &poses, &relative, &frames)
+        });
+        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, on_balls.as_ref(), &mut load, self.instructions);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
         for lane in 0..LANES {
             let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));

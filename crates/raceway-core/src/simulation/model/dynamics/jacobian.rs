@@ -10,7 +10,7 @@ use super::equations::Dynamics;
 use super::forces::{Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
-use crate::simulation::model::state::{BallState, MAX_BORDER};
+use crate::simulation::model::state::{BallAttitude, BallState, MAX_BORDER};
 
 /// One Jacobian, compiled for each instruction set.
 struct Differences<'a, const PLANAR: bool> {
@@ -42,6 +42,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     fn differences_by(&self, time: f64, state: &[f64], jacobian: &mut Jacobian) {
         let layout = self.mechanism().layout;
         let (block, border) = (layout.ball_size(), layout.border_size());
+        // Entries of a ball's motion, before those of its attitude.
+        let motion = layout.motion_size();
         let (of_ball, of_border) = self.displacements().split_at(block);
         let mut entries = [0.0; MAX_BORDER];
         entries[..border].copy_from_slice(&state[layout.balls * block..]);
@@ -65,12 +67,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let mut share: Lanes = Lanes::default();
             share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
+            let attitude = if layout.attitude { layout.attitudes(state, first) } else { BallAttitude::default() };
             let (mut balls, mut moved) = (Balls::default(), Balls::default());
             // Undisplaced first, then by one entry after the other.
             for displaced in std::iter::once(None).chain((0..block).map(Some)) {
                 let mut entries = own.entries(PLANAR);
+                moved.attitude = attitude;
                 if let Some(column) = displaced {
-                    entries[column].0.iter_mut().for_each(|entry| *entry += of_ball[column]);
+                    let entry =
+                        if column < motion { &mut entries[column] } else { &mut moved.attitude.0[column - motion] };
+                    entry.0.iter_mut().for_each(|entry| *entry += of_ball[column]);
                 }
                 self.balls(first, &BallState::from_entries(entries, PLANAR), &at_rest, &mut moved, None, None);
                 let Some(column) = displaced else {
@@ -81,9 +87,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let per = 1.0 / of_ball[column];
                 let (before, after) = (balls.rates.entries(PLANAR), moved.rates.entries(PLANAR));
                 let part = jacobian.blocks.group_mut(group);
-                for row in 0..block {
+                for row in 0..motion {
                     for lane in 0..LANES {
                         part[row * block + column][lane] = share[lane] * ((after[row][lane] - before[row][lane]) * per);
+                    }
+                }
+                for row in motion..block {
+                    let (after, before) = (moved.attitude_rates.0[row - motion], balls.attitude_rates.0[row - motion]);
+                    for lane in 0..LANES {
+                        part[row * block + column][lane] = share[lane] * ((after[lane] - before[lane]) * per);
                     }
                 }
                 let mut rates = [Lanes::default(); MAX_BORDER];
@@ -100,7 +112,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
             // Effects of cage and spindle, again with the undisplaced border first.
-            let inner = self.inner_part(first, &balls.motion, &at_rest).0;
+            let inner = self.inner_part(first, &balls, &at_rest).0;
             let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
                 let mut reaction = balls.reaction;
@@ -109,7 +121,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     (reaction.cage_force, reaction.cage_moment) = (force, moment);
                     (&pocket, wrench)
                 } else {
-                    let (wrench, on_spindle) = self.inner_part(first, &balls.motion, displaced);
+                    let (wrench, on_spindle) = self.inner_part(first, &balls, displaced);
                     reaction.spindle = on_spindle;
                     (&inner, wrench)
                 };
@@ -121,7 +133,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let response = self.ball_response(first, &balls.motion, &change);
                 let per = 1.0 / of_border[column];
                 let (response, part) = (response.entries(PLANAR), jacobian.right.group_mut(group));
-                for row in 0..block {
+                for row in 0..motion {
                     for lane in 0..LANES {
                         part[row * border + column][lane] = share[lane] * (response[row][lane] * per);
                     }

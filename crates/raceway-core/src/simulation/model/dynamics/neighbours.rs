@@ -73,7 +73,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         jacobian: &mut Jacobian,
     ) {
         let (one, layout) = (*self.one(), self.layout());
-        let (balls, block) = (layout.balls, layout.ball_size());
+        let (balls, motion) = (layout.balls, layout.motion_size());
         let motions: Vec<BallMotion> = (0..balls).map(|ball| self.ball_motion(y, ball, shaft)).collect();
         for ball in 0..balls {
             let body = self.mechanism().body(ball);
@@ -91,13 +91,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             };
             let undisplaced = loads(&motions[ball]);
             let own = layout.ball(y, ball).entries(PLANAR);
-            for column in 0..block {
+            for column in 0..motion {
                 let by = self.displacements()[column];
                 let mut entries = own;
                 entries[column] += by;
                 let state = BallState::from_entries(entries, PLANAR);
                 let displaced = loads(&one.motion(self.mechanism().start.angle[ball], &state, shaft));
-                for row in 0..block {
+                for row in 0..motion {
                     *jacobian.blocks.entry_mut(ball, row, column) += (displaced[row] - undisplaced[row]) / by;
                 }
             }

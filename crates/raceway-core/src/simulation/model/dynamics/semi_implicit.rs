@@ -26,7 +26,7 @@ use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::{Choice, ChoiceReason, IntegrationError, Integrator, Method, Statistics};
 use crate::physics::frames::Vector;
-use crate::simulation::model::state::{BallState, CageState, SpindleState};
+use crate::simulation::model::state::{BallAttitude, BallState, CageState, SpindleState};
 use crate::simulation::model::step_loads::PackedStepLoads;
 use correction::{Corrected, Stiff, corrected_cage};
 
@@ -78,6 +78,8 @@ impl Formulas {
 struct Node {
     balls: Vec<BallState<Lanes>>,
     rates: Vec<BallState<Lanes>>,
+    /// Attitudes of the balls and their rates; empty where they have none.
+    attitudes: Vec<[BallAttitude<Lanes>; 2]>,
     cage: CageState,
     cage_rates: CageState,
     spindle: SpindleState,
@@ -121,8 +123,14 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
     pub(super) fn new(dynamics: &'m Dynamics<PLANAR>, time: f64, state: &[f64], step: f64) -> Self {
         let layout = dynamics.mechanism().layout;
         let groups = (0..layout.balls).step_by(LANES);
-        let balls: Vec<_> = groups.map(|first| layout.side_by_side::<PLANAR>(state, first)).collect();
+        let balls: Vec<_> = groups.clone().map(|first| layout.side_by_side::<PLANAR>(state, first)).collect();
+        let shaft = dynamics.mechanism().speed.at(time);
+        let attitudes = groups.filter(|_| layout.attitude).zip(&balls).map(|(first, balls)| {
+            let attitudes = layout.attitudes(state, first);
+            [attitudes, dynamics.attitude_rates(balls, &attitudes, shaft)]
+        });
         let node = Box::new(Node {
+            attitudes: attitudes.collect(),
             rates: balls.iter().map(rates_of_places).collect(),
             balls,
             cage: layout.cage(state),
@@ -202,6 +210,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
     #[inline(always)]
     fn advance_by(&mut self) {
         let (dynamics, h, layout) = (self.dynamics, self.step, self.dynamics.mechanism().layout);
+        let before_step = self.previous;
         let Formulas { backward: formula, predict, correct, ahead } = self.formulas;
         let share = h * formula.rate;
         let shares = (h * h * correct.place[0], h * correct.velocity[0]);
@@ -244,6 +253,10 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         for group in 0..now.balls.len() {
             let first = group * LANES;
             let (past, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
+            let shafts = [dynamics.mechanism().speed.at(before_step), border.shaft];
+            if let Some([attitude, _]) = now.attitudes.get(group) {
+                balls.attitude = dynamics.advanced_attitudes(attitude, [&now.balls[group], &predicted], shafts, h);
+            }
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
             if neighbours.is_some() {
                 let caused = layout.side_by_side::<PLANAR>(&self.neighbour_rates, first);
@@ -253,6 +266,11 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             }
             dynamics.correct(first, &past, &predicted, balls, slopes, share, corrected);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
+            if let Some([attitude, _]) = now.attitudes.get(group) {
+                let states = [&now.balls[group], &corrected.state];
+                let attitude = dynamics.advanced_attitudes(attitude, states, shafts, h);
+                new.attitudes[group] = [attitude, dynamics.attitude_rates(&corrected.state, &attitude, border.shaft)];
+            }
             corrected.loads.put_into(&mut self.step_loads, group);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             corrected.reaction.sum_into(&mut sum, layout.balls - first);
@@ -407,6 +425,9 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
             for (group, balls) in node.balls.iter().enumerate() {
                 layout.set_side_by_side::<PLANAR>(&mut state, group * LANES, balls);
             }
+            for (group, [attitudes, _]) in node.attitudes.iter().enumerate() {
+                layout.set_attitudes(&mut state, group * LANES, attitudes);
+            }
             layout.set_cage(&mut state, &node.cage);
             layout.set_spindle(&mut state, &node.spindle);
             state
@@ -436,6 +457,15 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
                 balls.put(lane, values.combined(1.0, &rates, 1.0));
             }
             layout.set_side_by_side::<PLANAR>(state, group * LANES, &balls);
+        }
+        for (group, (old, new)) in old.attitudes.iter().zip(&new.attitudes).enumerate() {
+            let mut attitudes = BallAttitude::default();
+            for lane in 0..LANES {
+                let ([a, a_rate], [b, b_rate]) = (old.at(lane), new.at(lane));
+                let rates = a_rate.combined(rate[0], &b_rate, rate[1]);
+                attitudes.put(lane, a.combined(value[0], &b, value[1]).combined(1.0, &rates, 1.0));
+            }
+            layout.set_attitudes(state, group * LANES, &attitudes);
         }
         let cage = old.cage.combined(value[0], &new.cage, value[1]);
         let rates = old.cage_rates.combined(rate[0], &new.cage_rates, rate[1]);

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
 use crate::physics::raceway::RacewayContact;
-use crate::physics::surface::SurfaceProfile;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
 
@@ -99,20 +98,24 @@ impl<'a> Search<'a> {
         spindle
     }
 
-    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `oversize`: its radius less the nominal one [m].
+    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `raised`: its radius less the nominal one with the
+    /// height of its surface [m].
     fn touch(
         &self,
         contact: &RacewayContact,
-        (azimuth, oversize): (f64, f64),
+        (azimuth, raised): (f64, f64),
         from_centre: Vector,
         axis: Vector,
     ) -> Touch {
-        let axial = dot(from_centre, axis);
+        let mut axial = dot(from_centre, axis);
         let radial = subtract(from_centre, scale(axial, axis));
         let radius = dot(radial, radial).sqrt();
-        let (of, place_by_ball) = match contact.surface() {
-            SurfaceProfile::None => Default::default(),
-            _ => contact.height(azimuth + turn_about(axis, radial), axial, radius),
+        let (of, place_by_ball) = if contact.is_circle() {
+            Default::default()
+        } else {
+            let on_ring = azimuth + turn_about(axis, radial);
+            axial -= contact.groove_place(on_ring);
+            contact.height(on_ring, axial, radius)
         };
         let radial = scale(1.0 / radius, radial);
         let (ideal, (a, r)) = if self.mechanism.layout.planar {
@@ -120,7 +123,7 @@ impl<'a> Search<'a> {
         } else {
             contact.penetration::<false>(axial, radius)
         };
-        let penetration = ideal + (of.height + oversize);
+        let penetration = ideal + (of.height + raised);
         let (load, stiffness) = contact.elastic_load(penetration);
         let mut towards = add(scale(a, axis), scale(r, radial));
         if of.along != 0.0 {
@@ -144,11 +147,14 @@ impl<'a> Search<'a> {
     fn touches(&self, place: &DVector<f64>, ball: usize) -> PerRaceway<Touch> {
         let m = self.mechanism;
         let at = [place[2 * ball], m.pitch_radius + place[2 * ball + 1], 0.0];
-        let (start, azimuth) = (m.start_and_oversize(ball), self.azimuths[ball]);
+        let ((angle, oversize), azimuth) = (m.start_and_oversize(ball), self.azimuths[ball]);
         let centre = azimuth.to_orbit(self.spindle(place));
+        let height = m.uneven_balls.get(ball).map(|ball| ball.heights).unwrap_or_default();
+        let axis = azimuth.to_orbit(self.axis);
+        let raised = |height: f64| (angle, oversize + height);
         PerRaceway {
-            inner: self.touch(&m.raceway.inner, start, subtract(at, centre), azimuth.to_orbit(self.axis)),
-            outer: self.touch(&m.raceway.outer, start, at, [1.0, 0.0, 0.0]),
+            inner: self.touch(&m.raceway.inner, raised(height.inner), subtract(at, centre), axis),
+            outer: self.touch(&m.raceway.outer, raised(height.outer), at, [1.0, 0.0, 0.0]),
         }
     }
 

@@ -10,8 +10,12 @@ use crate::simulation::model::terms::ActiveTerms;
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
     let reason = if scene.surfaces.have_defects() {
         Inapplicable::Defects
+    } else if scene.surfaces.have_axial_waves() {
+        Inapplicable::AxialWaves
     } else if !scene.surfaces.raceway.inner.is_ideal() {
         Inapplicable::InnerWaves
+    } else if scene.surfaces.have_uneven_balls() {
+        Inapplicable::BallWaves
     } else if !scene.surfaces.balls.is_empty() {
         Inapplicable::UnequalBalls
     } else if !scene.pocket_deviations.is_empty() {

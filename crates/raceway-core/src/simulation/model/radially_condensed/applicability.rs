@@ -14,6 +14,8 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
     if scene.surfaces.have_defects() {
         Some(Inapplicable::Defects)
+    } else if scene.surfaces.have_axial_waves() {
+        Some(Inapplicable::AxialWaves)
     } else if scene.operation.load[0] != 0.0 {
         Some(Inapplicable::AxialLoad)
     } else if scene.spindle.axial == AxialHold::Free {

@@ -7,7 +7,6 @@ use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, larger, si
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::viscous_ramp;
 use crate::physics::frames::Azimuth;
-use crate::physics::surface::Rise;
 use crate::simulation::model::condensed_contact::CondensedContact;
 use crate::simulation::model::heights::{Heights, Lift};
 
@@ -301,7 +300,9 @@ impl OneBall {
         let mut raised = PerRaceway::<Lift<f32>>::default();
         if WAVY {
             let turning = (orbit * along - across_velocity) * self.per_nominal;
-            raised = heights.lifts(PerRaceway { inner: orbit + turning - drive.speed, outer: orbit });
+            let rings = PerRaceway { inner: orbit + turning - drive.speed, outer: orbit };
+            let spin = self.spin_ratio * drive.speed + ball.spin;
+            raised = heights.lifts(rings, PerRaceway { inner: orbit + turning, outer: orbit }, spin);
             approach += raised.inner.height + raised.outer.height;
             rate += raised.inner.rate + raised.outer.rate;
         }
@@ -407,7 +408,8 @@ impl OneBall {
         }
     }
 
-    /// The forces along both raceways with those of their heights, −h'/r of the load, and the moments of traction on a ball of this size.
+    /// The forces along both raceways with those of heights, −h'/r of the load, and the moments: those of traction on a ball of this size, and
+    /// h' of the ball's own heights. Moments of the inner raceway count against those of the outer one.
     #[inline(always)]
     pub(super) fn with_lean(
         &self,
@@ -415,14 +417,19 @@ impl OneBall {
         heights: &Heights<f32>,
         traction: &PerRaceway<Sums>,
     ) -> PerRaceway<Sums> {
-        let with = |sums: &Sums, rise: &Rise<f32>, radius: f32| Sums {
-            force: sums.force - rise.slope / radius,
-            moment: sums.moment + self.oversize * sums.force,
-            ..*sums
-        };
+        let PerRaceway { inner, outer } = traction;
+        let (slopes, own) = (heights.slopes(), &heights.ball);
         PerRaceway {
-            inner: with(&traction.inner, &heights.inner, held.radius - held.along),
-            outer: with(&traction.outer, &heights.outer, held.radius),
+            inner: Sums {
+                force: inner.force - slopes.inner / (held.radius - held.along),
+                moment: inner.moment + self.oversize * inner.force - own.inner.slope,
+                ..*inner
+            },
+            outer: Sums {
+                force: outer.force - slopes.outer / held.radius,
+                moment: outer.moment + self.oversize * outer.force + own.outer.slope,
+                ..*outer
+            },
         }
     }
 

@@ -8,6 +8,8 @@ use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::pocket::ByWall;
 use super::traction::{General, RacewayTraction, RisingTraction};
+use std::f64::consts::PI;
+
 use crate::numerics::angle::sin_cos;
 use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, Task, larger};
 use crate::numerics::ode::adams_moulton::{Defect, Shares};
@@ -75,13 +77,15 @@ struct AllBalls {
 }
 
 impl RadiallyCondensed {
-    /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration, with its `shares` in place and velocity.
+    /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration, with its `shares` in place and velocity; `turned`: ∫ spin dt of the
+    /// balls less that of ideal rolling [rad], where they have waves.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     pub(crate) fn rates(
         &self,
         time: f64,
         balls: &[Balls],
+        turned: &[Lanes],
         border: &Border,
         spindle_acceleration: [f64; 2],
         shares: Shares,
@@ -89,9 +93,9 @@ impl RadiallyCondensed {
         scratch: &mut Scratch,
     ) -> (f64, f64, f64) {
         if self.is_even {
-            self.rates_on::<false>(time, balls, border, spindle_acceleration, shares, rates, scratch)
+            self.rates_on::<false>(time, balls, turned, border, spindle_acceleration, shares, rates, scratch)
         } else {
-            on_waves(self, time, balls, border, spindle_acceleration, shares, rates, scratch)
+            on_waves(self, time, balls, turned, border, spindle_acceleration, shares, rates, scratch)
         }
     }
 
@@ -102,6 +106,7 @@ impl RadiallyCondensed {
         &self,
         time: f64,
         balls: &[Balls],
+        turned: &[Lanes],
         border: &Border,
         spindle_acceleration: [f64; 2],
         shares: Shares,
@@ -129,7 +134,7 @@ impl RadiallyCondensed {
         };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
-            let heights = if WAVY { self.heights(group, angle, balls, border) } else { Heights::default() };
+            let heights = if WAVY { self.heights(group, angle, balls, border, turned) } else { Heights::default() };
             self.group::<WAVY>(&drive, group, balls, border, &heights, rates, scratch, &mut sums);
         }
         rates.passed = sums.spindle;
@@ -140,19 +145,31 @@ impl RadiallyCondensed {
     /// Heights under eight balls at an angle of the spindle [rad]. Azimuths are those on the rings, about each ring's axis: an inner one turns
     /// with the spindle. Single precision would not tell short waves apart after some turns.
     #[inline(always)]
-    fn heights(&self, group: usize, angle: f64, balls: &Balls, border: &Border) -> Heights<Singles> {
+    fn heights(&self, group: usize, angle: f64, balls: &Balls, border: &Border, turned: &[Lanes]) -> Heights<Singles> {
         let Some(waves) = &self.waves else { return Heights::default() };
         let m = &self.mechanism;
         let start = Lanes::<LANES>::of(&m.start.angle, group * LANES);
         let (orbit, per_radius, [y, z]) = (m.orbit_ratio * angle, 1.0 / m.pitch_radius, border.spindle);
-        let mut azimuth = PerRaceway::<Lanes>::default();
+        let (mut azimuth, mut leans) = (PerRaceway::<Lanes>::default(), Lanes::<LANES>::default());
         for lane in 0..LANES {
             let on_outer = start[lane] + orbit + balls.arc[lane] * per_radius;
             let (sine, cosine) = sin_cos(on_outer);
             let lean = (z * cosine - y * sine) / (m.pitch_radius - (y * cosine + z * sine));
             azimuth.put(lane, PerRaceway { inner: on_outer - lean - angle, outer: on_outer });
+            leans[lane] = lean;
         }
-        waves.at(&azimuth).single()
+        let mut heights = waves.at(&azimuth);
+        if let Some(turned) = turned.get(group) {
+            // A ball turns with its spin in the orbit frame, and its contacts move backwards on it.
+            let ideal = (m.spin_ratio - m.orbit_ratio) * angle;
+            let mut longitude = PerRaceway::<Lanes>::default();
+            for lane in 0..LANES {
+                let outer = balls.arc[lane] * per_radius - (ideal + turned[lane]);
+                longitude.put(lane, PerRaceway { inner: PI + outer - leans[lane], outer });
+            }
+            heights.ball = waves.of_balls(|lane| Some(group * LANES + lane), &longitude);
+        }
+        heights.single()
     }
 
     /// Rates of eight balls, and their loads on spindle and cage. `WAVY`: raceways have `heights`.
@@ -382,13 +399,14 @@ fn on_waves(
     model: &RadiallyCondensed,
     time: f64,
     balls: &[Balls],
+    turned: &[Lanes],
     border: &Border,
     spindle_acceleration: [f64; 2],
     shares: Shares,
     rates: &mut Rates,
     scratch: &mut Scratch,
 ) -> (f64, f64, f64) {
-    model.instructions.run(OnWaves { model, time, balls, border, spindle_acceleration, shares, rates, scratch })
+    model.instructions.run(OnWaves { model, time, balls, turned, border, spindle_acceleration, shares, rates, scratch })
 }
 
 /// Rates on wavy raceways, compiled for each instruction set.
@@ -396,6 +414,7 @@ struct OnWaves<'a> {
     model: &'a RadiallyCondensed,
     time: f64,
     balls: &'a [Balls],
+    turned: &'a [Lanes],
     border: &'a Border,
     spindle_acceleration: [f64; 2],
     shares: Shares,
@@ -408,8 +427,8 @@ impl Task for OnWaves<'_> {
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        let Self { model, time, balls, border, spindle_acceleration, shares, rates, scratch } = self;
-        model.rates_on::<true>(time, balls, border, spindle_acceleration, shares, rates, scratch)
+        let Self { model, time, balls, turned, border, spindle_acceleration, shares, rates, scratch } = self;
+        model.rates_on::<true>(time, balls, turned, border, spindle_acceleration, shares, rates, scratch)
     }
 }
 
@@ -508,7 +527,7 @@ mod tests {
             let (along, across) = (y * angle.cos() + z * angle.sin(), z * angle.cos() - y * angle.sin());
             let lean = across / (nominal - along);
             let raised = heights(angle, lean);
-            along - 0.5 * across * lean - clearance + raised.inner.height + raised.outer.height
+            along - 0.5 * across * lean - clearance + raised.raceway.inner.height + raised.raceway.outer.height
         };
         let energy =
             |ball: usize, spindle: [f64; 2], arc: f64| 0.4 * series * approach(ball, spindle, arc).max(0.0).powf(2.5);
@@ -516,8 +535,16 @@ mod tests {
         let [y, z] = border.spindle;
         let mut rates = Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() };
         let mut scratch = Scratch::new(model.groups());
-        let turning =
-            model.rates(0.0, &balls, &border, [0.0; 2], Shares { place: 0.0, velocity: 0.0 }, &mut rates, &mut scratch);
+        let turning = model.rates(
+            0.0,
+            &balls,
+            &[],
+            &border,
+            [0.0; 2],
+            Shares { place: 0.0, velocity: 0.0 },
+            &mut rates,
+            &mut scratch,
+        );
         let by = 1e-9;
         let mut on_spindle = [m.load[1], m.load[2]];
         let (mut most, mut worst) = (0.0_f64, 0.0_f64);
@@ -529,7 +556,7 @@ mod tests {
             let found = f64::from(rates.balls[0].arc_velocity[ball]) * m.ball_mass * nominal / m.pitch_radius;
             let load = series * approach(ball, [y, z], 0.0).max(0.0).powf(1.5);
             let raised = heights(m.start_azimuth(ball), 0.0);
-            most = most.max(load * (raised.inner.slope.abs() + raised.outer.slope.abs()) / nominal);
+            most = most.max(load * (raised.raceway.inner.slope.abs() + raised.raceway.outer.slope.abs()) / nominal);
             worst = worst.max((found - along).abs());
         }
         let found = model.defect(turning, [0.0; 2], &rates.passed).force;

@@ -21,10 +21,11 @@ use super::ball::{BallRates, Balls, OneBall, SpindleReaction};
 use super::border::Border;
 use super::equations::RadiallyCondensed;
 use super::evaluation::{BallLoads, Rates, Scratch};
-use crate::numerics::lanes::{LANES, Real, SideBySide, Singles, Task, side_by_side};
+use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, Task, side_by_side};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};
 use crate::physics::frames::Azimuth;
+use crate::simulation::model::heights::Waves;
 
 /// Short steps to one of full length at the start.
 const START: usize = 16;
@@ -81,9 +82,24 @@ impl Formulas {
 #[derive(Debug, Clone, Default)]
 struct Node {
     balls: Vec<Balls>,
+    /// ∫ spin dt of the balls less that of ideal rolling [rad]; empty where all balls are spheres.
+    turned: Vec<Lanes>,
     border: Border,
     /// Acceleration of the spindle [m/s²].
     acceleration: [f64; 2],
+}
+
+impl Node {
+    /// Turns the balls on from an earlier node by the mean of their spins over a time step.
+    #[inline(always)]
+    fn turn_on(&mut self, from: &Self, step: f64) {
+        for (group, turned) in self.turned.iter_mut().enumerate() {
+            for lane in 0..LANES {
+                let spins = f64::from(from.balls[group].spin[lane]) + f64::from(self.balls[group].spin[lane]);
+                turned[lane] = from.turned[group][lane] + 0.5 * step * spins;
+            }
+        }
+    }
 }
 
 /// Observer of the motion. Code that is always inlined there is compiled for the vector instructions of the steps.
@@ -122,7 +138,9 @@ pub struct Stepper<'m> {
 impl<'m> Stepper<'m> {
     /// Integrator from a state at a time [s], in steps of a length [s].
     pub fn new(model: &'m RadiallyCondensed, time: f64, balls: Vec<Balls>, border: Border, step: f64) -> Self {
-        let node = Node { balls, border, acceleration: [0.0; 2] };
+        let with_waves = model.waves.as_ref().is_some_and(Waves::are_of_balls);
+        let turned = if with_waves { vec![Lanes::default(); model.groups()] } else { Vec::new() };
+        let node = Node { balls, turned, border, acceleration: [0.0; 2] };
         let mut stepper = Self {
             model,
             begin: time,
@@ -196,8 +214,16 @@ impl<'m> Stepper<'m> {
         let shares = Shares { place: h * share * place[0], velocity: share * velocity[0] };
         let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         let predicted = new.acceleration;
-        let turning =
-            self.model.rates(time, &new.balls, &new.border, predicted, shares, &mut self.rates, &mut self.scratch);
+        let turning = self.model.rates(
+            time,
+            &new.balls,
+            &new.turned,
+            &new.border,
+            predicted,
+            shares,
+            &mut self.rates,
+            &mut self.scratch,
+        );
         self.evaluations += 1;
         let (formulas, one) = (&self.formulas, &self.model.one);
         if self.is_predicted {
@@ -223,6 +249,7 @@ impl<'m> Stepper<'m> {
             for (group, balls) in new.balls.iter_mut().enumerate() {
                 self.changes[group].correct(balls, &self.rates.balls[group].azimuth, gained, place as f32);
             }
+            new.turn_on(now, h);
             let past = [&now.border, &before.border, &earlier.border];
             new.border.correct_cage(past, &self.rates, &formulas.cage, h, place);
         }
@@ -242,6 +269,7 @@ impl<'m> Stepper<'m> {
             let past = [&now.balls[group], &before.balls[group], &earlier.balls[group]];
             (*balls, self.missing[group]) = ahead_of(past, formulas, h);
         }
+        new.turn_on(now, h);
         // Both directions of each quantity together: values stored in pairs can be loaded in pairs.
         let (a, b, c) = (&now.border, &before.border, &earlier.border);
         let rise = weighed(&formulas.predict.velocity, &accelerations);

@@ -343,7 +343,7 @@ impl General<'_> {
             motion.put(lane, one);
         }
         let mut load = RacewayLoad::<Lanes>::default();
-        self.contact.loads::<true>(&motion, &mut load, self.instructions);
+        self.contact.loads::<true>(&motion, None, &mut load, self.instructions);
         let towards = self.towards;
         let mut sums = Sums::<Singles>::default();
         for lane in 0..LANES {

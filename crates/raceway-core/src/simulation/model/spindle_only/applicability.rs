@@ -14,6 +14,8 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
     let of_spindle = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));
     let reason = if scene.surfaces.have_defects() {
         Inapplicable::Defects
+    } else if scene.surfaces.have_axial_waves() {
+        Inapplicable::AxialWaves
     } else if scene.operation.load[0] != 0.0 {
         Inapplicable::AxialLoad
     } else if needs.axial_spindle {

@@ -1,7 +1,7 @@
 //! Equations of the spindle alone: four states. Balls orbit equally spaced at the cage's speed, each in radial equilibrium between its
 //! raceways. Corrections of first order include the inertia and the rolling of the balls.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::numerics::angle::sin_cos;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger};
@@ -81,6 +81,8 @@ pub(crate) struct SpindleOnly {
     force: [f64; 2],
     /// `None`: both raceways are ideal circles.
     waves: Option<Waves>,
+    /// Spin of ideal balls in the orbit frame over spindle speed.
+    turn_ratio: f64,
     /// Longest step that resolves the waves [s].
     longest_step: f64,
 }
@@ -92,6 +94,8 @@ struct Group {
     sine: Lanes,
     /// Azimuths in front of the first ball [rad].
     azimuth: Lanes,
+    /// Number of the first of them.
+    first: usize,
     /// Diameters less the nominal one [m].
     oversize: Lanes,
 }
@@ -133,12 +137,15 @@ impl SpindleOnly {
                     cosine: of(&|ball| m.start_azimuth(ball).cos()),
                     sine: of(&|ball| m.start_azimuth(ball).sin()),
                     azimuth: of(&|ball| m.start_azimuth(ball)),
+                    first: group * LANES,
                     oversize: of(&|ball| 2.0 * m.body(ball).oversize),
                 }
             })
             .collect();
         let on = |on: bool, value: f64| if on { value } else { 0.0 };
-        let (waves, is_alike) = (Waves::of(m), m.has_equal_balls() && m.start.are_even());
+        let waves = Waves::of(m);
+        let are_alike = !waves.as_ref().is_some_and(Waves::are_of_balls) && m.has_equal_balls();
+        let is_alike = are_alike && m.start.are_even();
         Self {
             constant: m.speed.is_constant().then(|| m.speed.at(0.0).1),
             speed: m.speed.clone(),
@@ -163,6 +170,7 @@ impl SpindleOnly {
             unbalance: m.unbalance,
             force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
             waves,
+            turn_ratio: m.spin_ratio - m.orbit_ratio,
             longest_step: m.longest_wave_step(),
         }
     }
@@ -316,7 +324,8 @@ impl SpindleOnly {
             if WAVY {
                 let turning = self.curvature * (speed * radial - tangential_velocity);
                 let speeds = PerRaceway { inner: speed + turning - driven.shaft.1, outer: speed };
-                raised = heights.at(lane).lifts(speeds);
+                let contacts = PerRaceway { inner: speed + turning, outer: speed };
+                raised = heights.at(lane).lifts(speeds, contacts, speed + self.turn_ratio * driven.shaft.1);
                 approach += raised.inner.height + raised.outer.height + group.oversize[lane];
                 rate += raised.inner.rate + raised.outer.rate;
             }
@@ -342,9 +351,8 @@ impl SpindleOnly {
                 inertia += moved * (on_inner.acceleration + on_outer.acceleration)
                     - self.ball_mass * load.outer_share * on_outer.acceleration;
                 // Heights push along the orbit. A rolling ball passes half of the push of either raceway on to the other.
-                let (passed, heights) = (self.rolling * rolls, heights.at(lane));
-                let push = normal * heights.inner.slope * (1.0 - passed)
-                    - (normal + unloaded.force) * heights.outer.slope * passed;
+                let (passed, slopes) = (self.rolling * rolls, heights.at(lane).slopes());
+                let push = normal * slopes.inner * (1.0 - passed) - (normal + unloaded.force) * slopes.outer * passed;
                 dragged += self.curvature * push;
             }
             let slope = moved + (shares.place * load.stiffness + (shares.velocity * self.damping) * load.damped_load);
@@ -375,14 +383,20 @@ impl OnWaves<'_> {
     fn heights(&self, group: &Group) -> Heights<Lanes> {
         let Some(waves) = self.waves else { return Heights::default() };
         let (driven, ([y, z], _)) = (&self.driven, self.motion);
-        let mut azimuth = PerRaceway::<Lanes>::default();
+        let (mut azimuth, mut longitude) = (PerRaceway::<Lanes>::default(), PerRaceway::<Lanes>::default());
+        let turned = -self.model.turn_ratio * driven.shaft.0;
         for lane in 0..LANES {
             let c = group.cosine[lane] * driven.cosine - group.sine[lane] * driven.sine;
             let s = group.sine[lane] * driven.cosine + group.cosine[lane] * driven.sine;
             let (tilt, on_outer) = (self.model.curvature * (z * c - y * s), driven.first + group.azimuth[lane]);
             azimuth.put(lane, PerRaceway { inner: on_outer - tilt - driven.shaft.0, outer: on_outer });
+            longitude.put(lane, PerRaceway { inner: PI + turned - tilt, outer: turned });
         }
-        waves.at(&azimuth)
+        let mut heights = waves.at(&azimuth);
+        if waves.are_of_balls() {
+            heights.ball = waves.of_balls(|lane| Some(group.first + lane), &longitude);
+        }
+        heights
     }
 }
 

@@ -21,7 +21,10 @@ pub(crate) fn scene_model(
     if let Some(reason) = inapplicability(scene, &needs, &settings.outputs) {
         return Err(SimulationError::NotApplicable { rung, reason });
     }
-    let mechanism = with_surfaces(Mechanism::new(scene, &needs), scene);
+    let mut ideal = Mechanism::new(scene, &needs);
+    // Heights by longitude are those of balls in their plane.
+    ideal.layout.planar |= scene.surfaces.have_uneven_balls();
+    let mechanism = with_surfaces(ideal, scene);
     Ok((
         SpindleOnly::new(&mechanism, scene.raceway_damping.resolve().chi, mechanism.orbit_ratio, Corrections::ALL),
         mechanism,

@@ -1,0 +1,208 @@
+//! Attitude of balls whose surfaces are not those of spheres. The state holds the deviation D from ideal rolling, so that
+//!
+//! ```text
+//! ball's axes in the orbit frame = Rₓ(β) D · axes at the start,     D' = ½ u D,   u = Rₓ(−β) (spin in the orbit frame less that of ideal rolling)
+//! ```
+//!
+//! with the turn β of ideal rolling. In the plane D is an angle about X.
+
+use std::f64::consts::PI;
+
+use super::border::Shaft;
+use super::contact_frame::ContactFrame;
+use super::equations::Dynamics;
+use super::one_ball::OneBall;
+use crate::numerics::angle::sin_cos;
+use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::physics::bearing::PerRaceway;
+use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale};
+use crate::physics::raceway::{OnBall, RelativeMotion};
+use crate::physics::surface::sphere::BallPose;
+use crate::simulation::model::state::{BallAttitude, BallState};
+
+/// A rotation as a quaternion: scalar and vector.
+type Quaternion = (f64, Vector);
+
+fn product((a, u): Quaternion, (b, v): Quaternion) -> Quaternion {
+    (a * b - dot(u, v), add(cross(u, v), add(scale(a, v), scale(b, u))))
+}
+
+fn about_x(angle: f64) -> Quaternion {
+    let (sine, cosine) = sin_cos(0.5 * angle);
+    (cosine, [sine, 0.0, 0.0])
+}
+
+/// The rotation by a vector [rad].
+fn exponential(turn: Vector) -> Quaternion {
+    let half = 0.5 * dot(turn, turn).sqrt();
+    let (sine, cosine) = sin_cos(half);
+    // sin x/x is 1 to rounding below.
+    let per_turn = if half > 1e-9 { 0.5 * sine / half } else { 0.5 };
+    (cosine, scale(per_turn, turn))
+}
+
+impl BallAttitude {
+    fn quaternion(&self) -> Quaternion {
+        let [real, x, y, z] = self.0;
+        (1.0 + real, [x, y, z])
+    }
+
+    /// Axes in the orbit frame that lay in given directions at the start and roll ideally but for this deviation.
+    pub(crate) fn axes(&self, at_start: &[Vector; 3], ideal: Azimuth, planar: bool) -> [Vector; 3] {
+        if planar {
+            let turned = ideal.turned(Azimuth::new(self.0[0]));
+            return at_start.map(|axis| turned.to_inertial(axis));
+        }
+        let (real, vector) = self.quaternion();
+        let twice = 2.0 / (real * real + dot(vector, vector));
+        at_start.map(|axis| {
+            let across = cross(vector, axis);
+            let turned = add(axis, scale(twice, add(scale(real, across), cross(vector, across))));
+            ideal.to_inertial(turned)
+        })
+    }
+}
+
+impl OneBall {
+    /// Turn of ideal rolling in the orbit frame [rad].
+    #[inline(always)]
+    pub(super) fn ideal_turn(&self, (angle, _, _): Shaft) -> f64 {
+        (self.spin_ratio - self.orbit_ratio) * angle
+    }
+
+    /// Spin in the orbit frame less that of ideal rolling [rad/s].
+    fn turning(&self, state: &BallState) -> Vector {
+        let [x, r, t] = state.spin;
+        [x - state.arc_velocity / self.pitch_radius, r, t]
+    }
+
+    /// Rates of an attitude; `ideal`: the turn of ideal rolling.
+    pub(super) fn attitude_rates<const PLANAR: bool>(
+        &self,
+        state: &BallState,
+        attitude: &BallAttitude,
+        ideal: Azimuth,
+    ) -> BallAttitude {
+        let turning = self.turning(state);
+        if PLANAR {
+            return BallAttitude([turning[0], 0.0, 0.0, 0.0]);
+        }
+        let (real, [x, y, z]) = product((0.0, scale(0.5, ideal.to_orbit(turning))), attitude.quaternion());
+        BallAttitude([real, x, y, z])
+    }
+
+    /// Attitude after a time step in which spin and orbit velocity change linearly. `ideal`: turns of ideal rolling before and after it.
+    /// Rotations about one axis are exact for steps of any length.
+    pub(super) fn advanced<const PLANAR: bool>(
+        &self,
+        attitude: &BallAttitude,
+        [before, after]: [&BallState; 2],
+        ideal: [f64; 2],
+        step: f64,
+    ) -> BallAttitude {
+        let turn = scale(0.5 * step, add(self.turning(before), self.turning(after)));
+        if PLANAR {
+            return BallAttitude([attitude.0[0] + turn[0], 0.0, 0.0, 0.0]);
+        }
+        let rolled = exponential([turn[0] + (ideal[1] - ideal[0]), turn[1], turn[2]]);
+        let at_start = product(about_x(ideal[0]), attitude.quaternion());
+        let (real, [x, y, z]) = product(about_x(-ideal[1]), product(rolled, at_start));
+        BallAttitude([real - 1.0, x, y, z])
+    }
+}
+
+impl<const PLANAR: bool> Dynamics<PLANAR> {
+    /// Rates of the attitudes of balls side by side.
+    #[inline(never)]
+    pub(super) fn attitude_rates(
+        &self,
+        state: &BallState<Lanes>,
+        attitude: &BallAttitude<Lanes>,
+        shaft: Shaft,
+    ) -> BallAttitude<Lanes> {
+        let one = self.one();
+        let ideal = Azimuth::new(one.ideal_turn(shaft));
+        let mut rates = BallAttitude::default();
+        for lane in 0..LANES {
+            rates.put(lane, one.attitude_rates::<PLANAR>(&state.at(lane), &attitude.at(lane), ideal));
+        }
+        rates
+    }
+
+    /// Attitudes of balls side by side after a time step. `states`, `shafts`: before and after it.
+    #[inline(never)]
+    pub(super) fn advanced_attitudes(
+        &self,
+        attitude: &BallAttitude<Lanes>,
+        states: [&BallState<Lanes>; 2],
+        shafts: [Shaft; 2],
+        step: f64,
+    ) -> BallAttitude<Lanes> {
+        let one = self.one();
+        let ideal = shafts.map(|shaft| one.ideal_turn(shaft));
+        let mut advanced = BallAttitude::default();
+        for lane in 0..LANES {
+            let [before, after] = states.map(|state| state.at(lane));
+            advanced.put(lane, one.advanced::<PLANAR>(&attitude.at(lane), [&before, &after], ideal, step));
+        }
+        advanced
+    }
+
+    /// Effects of the surfaces of the balls from `first` on both contacts.
+    #[inline(never)]
+    pub(super) fn on_balls<F: ContactFrame>(
+        &self,
+        first: usize,
+        attitude: &BallAttitude<Lanes>,
+        relative: &PerRaceway<RelativeMotion<Lanes>>,
+        frames: &F::Several,
+        shaft: Shaft,
+    ) -> PerRaceway<OnBall<Lanes>> {
+        let poses = self.poses(first, attitude, shaft);
+        PerRaceway {
+            inner: self.on_balls_at_inner::<F>(first, &poses, &relative.inner, frames),
+            outer: self.mechanism().raceway.outer.on_balls::<PLANAR>(first, &relative.outer, &poses),
+        }
+    }
+
+    /// Poses of the balls from `first` on in the frames of the outer contacts, which are the orbit frames.
+    pub(super) fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, shaft: Shaft) -> BallPose<Lanes> {
+        let mut poses = BallPose::<Lanes>::default();
+        let turn = self.one().ideal_turn(shaft);
+        let ideal = Azimuth::new(turn);
+        for lane in 0..LANES {
+            let attitude = attitude.at(lane);
+            let pose = match PLANAR {
+                true => BallPose { longitude: -(turn + attitude.0[0]), ..BallPose::default() },
+                false => {
+                    let balls = &self.mechanism().uneven_balls;
+                    let axes = &balls[(first + lane).min(balls.len() - 1)].axes;
+                    BallPose { longitude: 0.0, axes: attitude.axes(axes, ideal, false) }
+                }
+            };
+            poses.put(lane, pose);
+        }
+        poses
+    }
+
+    /// Effects on the inner contacts of balls in some poses at the outer ones.
+    #[inline(never)]
+    pub(super) fn on_balls_at_inner<F: ContactFrame>(
+        &self,
+        first: usize,
+        outer: &BallPose<Lanes>,
+        relative: &RelativeMotion<Lanes>,
+        frames: &F::Several,
+    ) -> OnBall<Lanes> {
+        let mut inner = BallPose::<Lanes>::default();
+        for lane in 0..LANES {
+            let (pose, frame) = (outer.at(lane), frames.at(lane));
+            let pose = match PLANAR {
+                true => BallPose { longitude: pose.longitude + (PI + frame.turn()), ..pose },
+                false => BallPose { axes: pose.axes.map(|axis| frame.components(axis)), ..pose },
+            };
+            inner.put(lane, pose);
+        }
+        self.mechanism().raceway.inner.on_balls::<PLANAR>(first, relative, &inner)
+    }
+}
