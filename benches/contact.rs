@@ -120,8 +120,12 @@ fn contacts(model: &Model) {
             }),
         );
     }
-    let pocket =
-        PocketMotion { displacement: [5e-6, 10e-6, 20e-6], velocity: [0.1, 0.2, -0.1], spin: [-11_700.0, 0.0, 0.0] };
+    let pocket = PocketMotion {
+        displacement: [5e-6, 10e-6, 20e-6],
+        velocity: [0.1, 0.2, -0.1],
+        spin: [-11_700.0, 0.0, 0.0],
+        oversize: 0.0,
+    };
     row(
         "pocket",
         "one",

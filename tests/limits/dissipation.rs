@@ -48,6 +48,7 @@ fn raceways_take_energy_from_slip_spin_and_rolling() {
                     raceway_speed: speed,
                     orbit_speed: orbit,
                     azimuth: 0.0,
+                    oversize: 0.0,
                 };
                 let load = contact.load::<false>(&motion);
                 assert!(load.normal > 1.0);
@@ -82,6 +83,7 @@ fn rolling_friction_turns_no_ball_about_its_contact_normal() {
                 raceway_speed: speed,
                 orbit_speed: orbit,
                 azimuth: 0.0,
+                oversize: 0.0,
             };
             let load = contact.load::<false>(&motion);
             let (_, (towards_a, towards_r)) = contact.penetration::<false>(axial, radius);
@@ -114,8 +116,12 @@ fn pockets_take_energy_from_sliding_and_rolling() {
         for trial in 0..2000 {
             let far = [1e-3, 0.1, 1.0, 10.0][trial % 4];
             let [x, y, z] = vector(1e3 * far);
-            let motion =
-                PocketMotion { displacement: vector(35e-6), velocity: vector(far), spin: [x - 11_700.0, y, z] };
+            let motion = PocketMotion {
+                displacement: vector(35e-6),
+                velocity: vector(far),
+                spin: [x - 11_700.0, y, z],
+                oversize: 0.0,
+            };
             let load = pocket.load(&motion);
             if load.normal == 0.0 {
                 continue;

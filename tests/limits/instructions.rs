@@ -10,7 +10,9 @@ use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRatio};
 use serde_json::{Value, json};
 
-use crate::scenes::{article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, waves};
+use crate::scenes::{
+    article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, unequal, waves,
+};
 
 const TIME: f64 = 2.3e-4;
 
@@ -34,6 +36,7 @@ fn scenes() -> Vec<(Value, ModelLevel)> {
             ModelLevel::Full,
         ),
         (changed(article(), waves()), ModelLevel::Planar),
+        (everything_with(unequal()), ModelLevel::Full),
         (everything_with(defects(0.1)), ModelLevel::Full),
         (changed(article(), defects(0.0)), ModelLevel::Planar),
     ]
@@ -76,6 +79,7 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         with(json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 50.0 } } })),
         with(json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })),
         with(waves()),
+        with(unequal()),
         with(changed(waves(), json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
     ];
     let settings = RunSettings {

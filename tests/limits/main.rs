@@ -31,5 +31,6 @@ mod stability;
 mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
+mod unequal_balls;
 mod waviness;
 mod wrong_answers;

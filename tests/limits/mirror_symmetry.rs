@@ -7,7 +7,7 @@ use raceway::simulation::model::state::{BallState, CageState, SpindleState};
 use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
-use crate::scenes::{article, changed, defects, disturbed, everything, model, model_on, rates, scene, waves};
+use crate::scenes::{article, changed, defects, disturbed, everything, model, model_on, rates, scene, unequal, waves};
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
 use raceway::simulation::solve::run::simulate;
@@ -78,6 +78,15 @@ pub fn mirrored_scene(mut json: Value) -> Value {
             }
         }
     }
+    // Ball and pocket j become Z − j.
+    let count = json.pointer("/bearing/ball_count").and_then(Value::as_u64).unwrap_or(7);
+    for item in json.pointer_mut("/surfaces/balls").and_then(Value::as_array_mut).into_iter().flatten() {
+        item["ball"] = json!((count + 1 - item["ball"].as_u64().unwrap()) % count + 1);
+    }
+    if let Some(pockets) = json.pointer_mut("/bearing/cage/pocket_spacing_mrad").and_then(Value::as_array_mut) {
+        pockets.iter_mut().for_each(negate);
+        pockets[1..].reverse();
+    }
     json
 }
 
@@ -127,6 +136,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
             ),
         ),
         ("waves", of(waves())),
+        ("unequal balls", of(unequal())),
         ("defects", of(defects(0.1))),
         ("eight balls", of(json!({ "bearing": { "ball_count": 8 } }))),
     ] {

@@ -41,6 +41,16 @@ pub fn waves() -> Value {
     })
 }
 
+/// Balls of unequal size in uneven pockets of a cage for seven.
+pub fn unequal() -> Value {
+    json!({
+        "bearing": { "cage": { "pocket_spacing_mrad": [0, 3, -2, 0, 0, 4, 0] } },
+        "surfaces": { "balls": [
+            { "ball": 1, "diameter_um": -0.4 }, { "ball": 3, "diameter_um": 1.5 }, { "ball": 7, "diameter_um": 0.8 }
+        ] }
+    })
+}
+
 /// Surfaces with defects over the whole groove, and with narrow ones whose middle lies `across_mm` beside the groove's bottom. Balls of the
 /// article's case are in them at t = 0 and at 0.23 ms.
 pub fn defects(across_mm: f64) -> Value {

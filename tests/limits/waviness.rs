@@ -185,7 +185,7 @@ fn a_loaded_bearing_moves_with_every_wave() {
 }
 
 /// The article's bearing at 1000 r/min, without gravity, with a clearance [µm] and a load [N].
-fn slow(clearance_um: f64, load_n: f64, change: Value) -> Value {
+pub fn slow(clearance_um: f64, load_n: f64, change: Value) -> Value {
     let slow = json!({
         "bearing": { "radial_clearance_um": clearance_um },
         "operation": { "speed_rpm": 1000, "radial_load_y_n": load_n },
@@ -200,7 +200,7 @@ fn one_wave(ring: &str, order: u32) -> Value {
 }
 
 /// A run of a scene on a model level, by default steps on the reduced ones, with spectra of the displacements.
-fn run_on(scene: &Scene, level: ModelLevel) -> RunResult {
+pub fn run_on(scene: &Scene, level: ModelLevel) -> RunResult {
     let channels = [Axis::Y, Axis::Z].map(|axis| Channel::Spindle(axis, Motion::Displacement));
     let is_planar = level == ModelLevel::Planar;
     let settings = RunSettings {

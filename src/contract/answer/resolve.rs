@@ -118,7 +118,8 @@ pub struct DerivedAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub frequencies_loaded_inner_control_hz: Option<FrequenciesAnswer>,
-    /// Waves of the raceways as the contacts average them, and what balls feel of defects; absent where all raceways are ideal circles.
+    /// Waves of the raceways as the contacts average them, what balls feel of defects, and the balls; absent where all raceways are ideal
+    /// circles and all balls are alike.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub surfaces: Option<SurfacesAnswer>,

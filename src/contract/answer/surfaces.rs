@@ -1,10 +1,11 @@
-//! Surfaces of the raceways before a run: waves that the contacts average, keep or leave out, and what a ball feels of each defect.
+//! Surfaces before a run: waves that the contacts average, keep or leave out, what a ball feels of each defect, and sizes of the balls.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::contract::json::units::{NM, UM, US};
 use raceway_core::physics::bearing::PerRaceway;
+use raceway_core::physics::surface::ball::BallSurface;
 use raceway_core::physics::surface::defects::Recess;
 use raceway_core::physics::surface::waviness::{KeptWave, Omission, SortedWaves};
 use raceway_core::simulation::input::scene::Scene;
@@ -12,7 +13,7 @@ use raceway_core::simulation::model::Mechanism;
 use raceway_core::simulation::model::surfaces::{AveragedSurface, averaged_surfaces, ball_loads_at};
 use raceway_core::simulation::model::terms::ActiveTerms;
 
-/// Waves and defects of both raceways. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
+/// Waves and defects of both raceways, and the balls. A contact averages heights over its width along rolling, 2b. The width is that of the most loaded ball of the
 /// static equilibrium at the largest speed, for the whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SurfacesAnswer {
@@ -20,6 +21,18 @@ pub struct SurfacesAnswer {
     pub inner: RacewaySurfaceAnswer,
     /// Surface of the outer raceway.
     pub outer: RacewaySurfaceAnswer,
+    /// Each ball; empty where all are alike.
+    pub balls: Vec<BallSurfaceAnswer>,
+}
+
+/// Surface of one ball.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BallSurfaceAnswer {
+    /// Number of the ball, from 1.
+    #[schema(minimum = 1)]
+    pub ball: usize,
+    /// Deviation of its diameter from `ball_diameter_mm`, given and drawn [µm].
+    pub diameter_um: f64,
 }
 
 /// Waves and defects of one raceway.
@@ -125,7 +138,7 @@ pub enum LeftOutReason {
 const MOST_LISTED: usize = 64;
 
 impl SurfacesAnswer {
-    /// `None` where all raceways are ideal circles.
+    /// `None` where all raceways are ideal circles and all balls are alike.
     pub fn of(scene: &Scene, terms: &ActiveTerms) -> Option<Self> {
         let mechanism = Mechanism::new(scene, terms);
         let PerRaceway { inner, outer } = averaged_surfaces(&mechanism, scene)?;
@@ -138,6 +151,7 @@ impl SurfacesAnswer {
         Some(Self {
             inner: RacewaySurfaceAnswer::of(&inner, on_inner.collect()),
             outer: RacewaySurfaceAnswer::of(&outer, on_outer.collect()),
+            balls: (1..).zip(&scene.surfaces.balls).map(BallSurfaceAnswer::from).collect(),
         })
     }
 }
@@ -173,6 +187,12 @@ impl DefectAnswer {
             following_load_n: ball_mass * recess.edge_acceleration(),
             longest_step_us: time(Recess::longest_step),
         }
+    }
+}
+
+impl From<(usize, &BallSurface)> for BallSurfaceAnswer {
+    fn from((ball, surface): (usize, &BallSurface)) -> Self {
+        Self { ball, diameter_um: UM.to_user(surface.diameter_deviation) }
     }
 }
 

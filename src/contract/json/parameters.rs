@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 104] = [
+const FIELDS: [(&str, &str, Unit); 128] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -110,6 +110,30 @@ const FIELDS: [(&str, &str, Unit); 104] = [
     ("surfaces.outer.defects.depth", "/surfaces/outer/defects/depth_um", UM),
     ("surfaces.outer.defects.across", "/surfaces/outer/defects/across_mm", MM),
     ("surfaces.outer.defects", "/surfaces/outer/defects", NUMBER),
+    ("bearing.cage.pocket_deviations", "/bearing/cage/pocket_spacing_mrad", MRAD),
+    ("surfaces.balls.ball", "/surfaces/balls/ball", NUMBER),
+    ("surfaces.balls.diameter_deviation", "/surfaces/balls/diameter_um", UM),
+    ("surfaces.balls.waviness.order", "/surfaces/balls/waviness/order", NUMBER),
+    ("surfaces.balls.waviness.amplitude", "/surfaces/balls/waviness/amplitude_nm", NM),
+    ("surfaces.balls.waviness.phase", "/surfaces/balls/waviness/phase_deg", DEG),
+    ("surfaces.balls.random_waviness.amplitude", "/surfaces/balls/random_waviness/amplitude_nm", NM),
+    ("surfaces.balls.random_waviness.at_order", "/surfaces/balls/random_waviness/at_order", NUMBER),
+    ("surfaces.balls.random_waviness.exponent", "/surfaces/balls/random_waviness/exponent", NUMBER),
+    ("surfaces.balls.random_waviness.from_order", "/surfaces/balls/random_waviness/from_order", NUMBER),
+    ("surfaces.balls.random_waviness.to_order", "/surfaces/balls/random_waviness/to_order", NUMBER),
+    ("surfaces.balls.waviness", "/surfaces/balls/waviness", NUMBER),
+    ("surfaces.balls.defects.diameter", "/surfaces/balls/defects/diameter_mm", MM),
+    ("surfaces.balls.defects.depth", "/surfaces/balls/defects/depth_um", UM),
+    ("surfaces.balls.defects.latitude", "/surfaces/balls/defects/latitude_deg", DEG),
+    ("surfaces.balls.defects.longitude", "/surfaces/balls/defects/longitude_deg", DEG),
+    ("surfaces.balls.defects", "/surfaces/balls/defects", NUMBER),
+    ("surfaces.balls", "/surfaces/balls", NUMBER),
+    ("surfaces.every_ball.random_waviness.amplitude", "/surfaces/every_ball/random_waviness/amplitude_nm", NM),
+    ("surfaces.every_ball.random_waviness.at_order", "/surfaces/every_ball/random_waviness/at_order", NUMBER),
+    ("surfaces.every_ball.random_waviness.exponent", "/surfaces/every_ball/random_waviness/exponent", NUMBER),
+    ("surfaces.every_ball.random_waviness.from_order", "/surfaces/every_ball/random_waviness/from_order", NUMBER),
+    ("surfaces.every_ball.random_waviness.to_order", "/surfaces/every_ball/random_waviness/to_order", NUMBER),
+    ("surfaces.every_ball.diameter_spread", "/surfaces/every_ball/diameter_spread_um", UM),
     ("surfaces.seed", "/surfaces/seed", NUMBER),
     ("gravity", "/gravity_m_s2", M_S2),
 ];

@@ -5,7 +5,8 @@ use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{NameOr, optional_object};
-use crate::contract::json::units::{DEG, G, MM};
+use crate::contract::json::units::{DEG, G, MM, MRAD};
+use crate::contract::scene::surfaces::are_within_limits;
 use raceway_core::physics::cage::{CageParameters, GuidingLand, PocketFilm, PocketSeat};
 use raceway_core::physics::contact::damping::DampingLaw;
 use raceway_core::physics::defaults::{self, CrownCage};
@@ -53,6 +54,10 @@ pub struct CageInput {
     /// Stiffness of the cage bars in series with the pocket contacts [N/m]. Default: rigid bars.
     #[schema(nullable = false)]
     pub bar_stiffness_n_per_m: Option<f64>,
+    /// Deviations of the pockets from equal spacing [mrad], one for each pocket. The balls start there, too. Default: equal spacing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, min_items = 2, max_items = 64)]
+    pub pocket_spacing_mrad: Option<Vec<f64>>,
     /// Guiding land on the outer ring. Default: the cage is guided by the balls.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -114,6 +119,17 @@ pub struct LandInput {
 }
 
 impl CageInput {
+    /// Deviations of the pockets from equal spacing [rad]; empty: none.
+    pub fn pocket_deviations(&self, defaults: &mut Defaults) -> Vec<f64> {
+        let mut one = |(index, &deviation): (usize, &f64)| {
+            let item = index.to_string();
+            let field = ("pocket_deviations", &item[..], deviation, MRAD);
+            let at = "/scene/bearing/cage/pocket_spacing_mrad";
+            if are_within_limits(defaults, (at, "bearing.cage"), &[field]) { MRAD.to_si(deviation) } else { 0.0 }
+        };
+        self.pocket_spacing_mrad.iter().flatten().enumerate().map(&mut one).collect()
+    }
+
     /// The parameters of `physics`; empty fields are filled from `base`, whose fields are all given.
     pub fn resolve(
         &mut self,

@@ -40,7 +40,7 @@ pub struct SceneInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub damping: Option<DampingInput>,
-    /// Surfaces of the raceways. Default: ideal circles.
+    /// Surfaces of raceways and balls. Default: ideal circles and equal balls.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub surfaces: Option<SurfacesInput>,
@@ -99,11 +99,23 @@ impl SceneInput {
         let lubricant = lubricant::resolve(&mut self.lubricant, defaults, base.lubricant, ball_diameter_mm);
         let base_cage = base.bearing.cage.clone().unwrap_or_default();
         let cage = own.cage.get_or_insert_default();
+        let pocket_deviations = cage.pocket_deviations(defaults);
         let cage = cage.resolve(defaults, &base_cage, materials.cage, lubricant.kind, damping.pocket);
         let axial_load = self.operation.axial_load_n.unwrap_or_default();
         let spindle = self.spindle.get_or_insert_default().resolve(defaults, base.spindle_mass_kg, axial_load);
         self.bearing = NameOr::Object(own);
         let raceway_damping = damping.raceway;
-        SceneParameters { bearing, cage, spindle, operation, lubricant, raceway_damping, terms, surfaces, gravity }
+        SceneParameters {
+            bearing,
+            cage,
+            spindle,
+            operation,
+            lubricant,
+            raceway_damping,
+            terms,
+            surfaces,
+            pocket_deviations,
+            gravity,
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Surfaces of the raceways.
+//! Surfaces of raceways and balls.
 
 use serde::de::{Error as _, IgnoredAny};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -15,8 +15,9 @@ use crate::contract::json::units::{DEG, MM, NM, NUMBER, UM, Unit};
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::limits::limits_of;
 use raceway_core::physics::presets::{self, SurfacePreset};
+use raceway_core::physics::surface::ball::{BallDefect, BallSurface, EveryBall, GivenBall};
 use raceway_core::physics::surface::defects::{Defect, Shape};
-use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, Surfaces, Wave};
+use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, SurfaceParameters, Wave};
 
 /// Order at which the amplitude of random waviness is given, its exponent and its lowest order, where they are not given. Machined
 /// surfaces fall about as 1/n; order 1 is runout.
@@ -25,7 +26,7 @@ const EXPONENT: f64 = 1.0;
 const FROM_ORDER: u32 = 2;
 const SEED: u64 = 1;
 
-/// Surfaces of the raceways, which are ideal circles by default.
+/// Surfaces of the raceways, which are ideal circles by default, and of the balls, which are alike by default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SurfacesInput {
@@ -43,16 +44,18 @@ pub struct SurfacesInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub outer: Option<RacewaySurfaceInput>,
-    /// Seed of all drawn numbers. A number depends on seed, raceway and order alone. Default 1.
+    /// Balls that differ from the others, at most one item for each. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 64)]
+    pub balls: Option<Vec<BallSurfaceInput>>,
+    /// Drawn differences of all balls, in addition to `balls`. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub every_ball: Option<EveryBallInput>,
+    /// Seed of all drawn numbers. A number depends on seed, raceway or ball, kind and order alone. Default 1.
     #[serde(default, deserialize_with = "wide_whole_number")]
     #[schema(nullable = false, value_type = u64, minimum = 0, maximum = 9_007_199_254_740_991_u64, example = 1)]
     pub seed: Option<u64>,
-    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
-    #[schema(ignore)]
-    balls: (),
-    #[serde(default, skip_serializing, deserialize_with = "not_supported")]
-    #[schema(ignore)]
-    every_ball: (),
 }
 
 /// Surface of one raceway.
@@ -61,7 +64,7 @@ pub struct SurfacesInput {
 #[allow(clippy::manual_non_exhaustive, reason = "the empty field names an input that is refused")]
 pub struct RacewaySurfaceInput {
     /// Waves of the height, along the contact normal and out of the material. Default: none.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_waves")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 64)]
     pub waviness: Option<Vec<WaveInput>>,
     /// Waves of many orders with drawn phases, in addition to `waviness`. Default: none.
@@ -72,7 +75,7 @@ pub struct RacewaySurfaceInput {
     #[schema(ignore)]
     axial_waviness: (),
     /// Local defects, with outlines that do not overlap. Default: none.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_defects")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
     pub defects: Option<Vec<DefectInput>>,
 }
@@ -109,6 +112,63 @@ pub struct DefectInput {
 pub enum DefectShape {
     Rectangular,
     HalfSine,
+}
+
+/// Surface of one ball. Its frame at t = 0: axis 2 from its centre to its outer contact, axis 3 along the orbit from +Y towards +Z,
+/// axis 1 = 2 × 3.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BallSurfaceInput {
+    /// Number of the ball, from 1. Ball 1 starts at azimuth 0, the others follow from +Y towards +Z.
+    #[serde(deserialize_with = "required_whole_number::<_, 1, 64>")]
+    #[schema(value_type = u64, example = 1)]
+    pub ball: u32,
+    /// Deviation of its diameter from `ball_diameter_mm`, at most a hundredth of that [µm]. Default 0.
+    #[schema(nullable = false, example = 0.5)]
+    pub diameter_um: Option<f64>,
+    /// Waves round its equator, the great circle of axes 2 and 3. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 64)]
+    pub waviness: Option<Vec<WaveInput>>,
+    /// Waves of many orders with drawn phases, in addition to `waviness`. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub random_waviness: Option<RandomWavinessInput>,
+    /// Local defects. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 4)]
+    pub defects: Option<Vec<BallDefectInput>>,
+}
+
+/// A round recess of a ball.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BallDefectInput {
+    /// Diameter [mm].
+    #[schema(example = 0.5)]
+    pub diameter_mm: f64,
+    /// Depth [µm].
+    #[schema(example = 10.0)]
+    pub depth_um: f64,
+    /// Angle of its middle from the ball's equator towards axis 1 [°]. Default 0.
+    #[schema(nullable = false)]
+    pub latitude_deg: Option<f64>,
+    /// Angle of its middle along the equator, from axis 2 towards axis 3 [°]. Default 0.
+    #[schema(nullable = false)]
+    pub longitude_deg: Option<f64>,
+}
+
+/// Drawn differences of all balls.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EveryBallInput {
+    /// Waves of many orders on each ball, with drawn phases. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub random_waviness: Option<RandomWavinessInput>,
+    /// Largest less smallest of drawn diameters, whose mean is `ball_diameter_mm` [µm]; at most a hundredth of that. Default 0.
+    #[schema(nullable = false, example = 0.2)]
+    pub diameter_spread_um: Option<f64>,
 }
 
 /// A wave of the height: amplitude · cos(order · azimuth + phase), azimuth from +Y towards +Z.
@@ -157,18 +217,13 @@ fn not_supported<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(), D::Er
     Err(D::Error::custom("not supported yet"))
 }
 
-fn optional_waves<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<WaveInput>>, D::Error> {
-    let waves = Vec::<ObjectOnly<WaveInput>>::deserialize(deserializer)?;
-    Ok(Some(waves.into_iter().map(|wave| wave.0).collect()))
-}
-
-fn optional_defects<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec<DefectInput>>, D::Error> {
-    let defects = Vec::<ObjectOnly<DefectInput>>::deserialize(deserializer)?;
-    Ok(Some(defects.into_iter().map(|defect| defect.0).collect()))
+fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<Vec<T>>, D::Error> {
+    let items = Vec::<ObjectOnly<T>>::deserialize(deserializer)?;
+    Ok(Some(items.into_iter().map(|item| item.0).collect()))
 }
 
 /// Refuses numbers outside their limits, each by its own pointer. `fields`: the parameter's last name, its field, value and unit.
-fn are_within_limits(
+pub(super) fn are_within_limits(
     defaults: &mut Defaults,
     (at, parameters): (&str, &str),
     fields: &[(&str, &str, f64, Unit)],
@@ -188,15 +243,18 @@ fn are_within_limits(
 }
 
 impl SurfacesInput {
-    /// The surfaces of `physics`. A wave with an error is left out.
-    pub fn resolve(&mut self, defaults: &mut Defaults) -> Surfaces {
+    /// The surfaces of `physics`. An item with an error is left out.
+    pub fn resolve(&mut self, defaults: &mut Defaults) -> SurfaceParameters {
         self.fill_from_preset(defaults);
         let mut of = |name: &str, surface: &mut Option<RacewaySurfaceInput>| {
             surface.as_mut().map(|surface| surface.resolve(name, defaults)).unwrap_or_default()
         };
         let raceway = PerRaceway { inner: of("inner", &mut self.inner), outer: of("outer", &mut self.outer) };
+        let balls = self.balls.iter_mut().flatten().enumerate();
+        let balls = balls.filter_map(|(index, ball)| ball.resolve(index, defaults)).collect();
+        let every_ball = self.every_ball.as_mut().map(|every| every.resolve(defaults)).unwrap_or_default();
         let seed = defaults.fill("/scene/surfaces/seed", &mut self.seed, SEED);
-        Surfaces { raceway, seed }
+        SurfaceParameters { raceway, balls, every_ball, seed }
     }
 
     /// Gives raceways without random waviness that of the preset.
@@ -241,24 +299,109 @@ impl RandomWavinessInput {
 
 impl RacewaySurfaceInput {
     fn resolve(&mut self, name: &str, defaults: &mut Defaults) -> RacewaySurface {
-        let mut waves = Vec::new();
-        for (index, wave) in self.waviness.iter_mut().flatten().enumerate() {
-            let at = format!("/scene/surfaces/{name}/waviness/{index}");
-            let phase = defaults.fill(format!("{at}/phase_deg"), &mut wave.phase_deg, 0.0);
-            let fields = [
-                ("order", "order", f64::from(wave.order), NUMBER),
-                ("amplitude", "amplitude_nm", wave.amplitude_nm, NM),
-                ("phase", "phase_deg", phase, DEG),
-            ];
-            if are_within_limits(defaults, (&at, &format!("surfaces.{name}.waviness")), &fields) {
-                waves.push(Wave { order: wave.order, amplitude: NM.to_si(wave.amplitude_nm), phase: DEG.to_si(phase) });
-            }
+        let waviness = resolve_waves(&mut self.waviness, name, name, defaults);
+        let random_waviness =
+            self.random_waviness.as_mut().map(|random| random.fill(&random_waviness_of(name), defaults));
+        RacewaySurface { waviness, random_waviness, defects: self.resolve_defects(name, defaults) }
+    }
+}
+
+/// Pointer to the random waviness of a surface.
+fn random_waviness_of(surface: &str) -> String {
+    format!("/scene/surfaces/{surface}/random_waviness")
+}
+
+/// Waves given one by one, without those that have an error. `at`: the pointer under `/scene/surfaces` of what has them, `name`: its name
+/// in `physics`.
+fn resolve_waves(waves: &mut Option<Vec<WaveInput>>, at: &str, name: &str, defaults: &mut Defaults) -> Vec<Wave> {
+    let mut resolved = Vec::new();
+    for (index, wave) in waves.iter_mut().flatten().enumerate() {
+        let at = format!("/scene/surfaces/{at}/waviness/{index}");
+        let phase = defaults.fill(format!("{at}/phase_deg"), &mut wave.phase_deg, 0.0);
+        let fields = [
+            ("order", "order", f64::from(wave.order), NUMBER),
+            ("amplitude", "amplitude_nm", wave.amplitude_nm, NM),
+            ("phase", "phase_deg", phase, DEG),
+        ];
+        if are_within_limits(defaults, (&at, &format!("surfaces.{name}.waviness")), &fields) {
+            resolved.push(Wave { order: wave.order, amplitude: NM.to_si(wave.amplitude_nm), phase: DEG.to_si(phase) });
         }
-        let at = format!("/scene/surfaces/{name}/random_waviness");
-        let random_waviness = self.random_waviness.as_mut().map(|random| random.fill(&at, defaults));
-        RacewaySurface { waviness: waves, random_waviness, defects: self.resolve_defects(name, defaults) }
+    }
+    resolved
+}
+
+/// Refuses waves and defects of balls, which are not built.
+fn refuse_unbuilt(at: &str, fields: &[(&str, bool)], defaults: &mut Defaults) {
+    for (field, _) in fields.iter().filter(|(_, is_given)| *is_given) {
+        defaults.refuse(format!("{at}/{field}"), "not supported yet");
+    }
+}
+
+impl BallSurfaceInput {
+    /// `None` where a number is wrong, which would be reported twice.
+    fn resolve(&mut self, index: usize, defaults: &mut Defaults) -> Option<GivenBall> {
+        let of = format!("balls/{index}");
+        let at = format!("/scene/surfaces/{of}");
+        let unbuilt = [
+            ("waviness", self.waviness.is_some()),
+            ("random_waviness", self.random_waviness.is_some()),
+            ("defects", self.defects.is_some()),
+        ];
+        refuse_unbuilt(&at, &unbuilt, defaults);
+        let deviation = defaults.fill(format!("{at}/diameter_um"), &mut self.diameter_um, 0.0);
+        let fields =
+            [("ball", "ball", f64::from(self.ball), NUMBER), ("diameter_deviation", "diameter_um", deviation, UM)];
+        let is_valid = are_within_limits(defaults, (&at, "surfaces.balls"), &fields);
+        let surface = BallSurface {
+            diameter_deviation: UM.to_si(deviation),
+            waviness: resolve_waves(&mut self.waviness, &of, "balls", defaults),
+            random_waviness: self
+                .random_waviness
+                .iter_mut()
+                .map(|random| random.fill(&random_waviness_of(&of), defaults))
+                .collect(),
+            defects: self.resolve_defects(&at, defaults),
+        };
+        is_valid.then_some(GivenBall { ball: self.ball, surface })
     }
 
+    fn resolve_defects(&mut self, at: &str, defaults: &mut Defaults) -> Vec<BallDefect> {
+        let mut defects = Vec::new();
+        for (index, defect) in self.defects.iter_mut().flatten().enumerate() {
+            let at = format!("{at}/defects/{index}");
+            let latitude = defaults.fill(format!("{at}/latitude_deg"), &mut defect.latitude_deg, 0.0);
+            let longitude = defaults.fill(format!("{at}/longitude_deg"), &mut defect.longitude_deg, 0.0);
+            let fields = [
+                ("diameter", "diameter_mm", defect.diameter_mm, MM),
+                ("depth", "depth_um", defect.depth_um, UM),
+                ("latitude", "latitude_deg", latitude, DEG),
+                ("longitude", "longitude_deg", longitude, DEG),
+            ];
+            if are_within_limits(defaults, (&at, "surfaces.balls.defects"), &fields) {
+                defects.push(BallDefect {
+                    diameter: MM.to_si(defect.diameter_mm),
+                    depth: UM.to_si(defect.depth_um),
+                    latitude: DEG.to_si(latitude),
+                    longitude: DEG.to_si(longitude),
+                });
+            }
+        }
+        defects
+    }
+}
+
+impl EveryBallInput {
+    fn resolve(&mut self, defaults: &mut Defaults) -> EveryBall {
+        let at = "/scene/surfaces/every_ball";
+        refuse_unbuilt(at, &[("random_waviness", self.random_waviness.is_some())], defaults);
+        let spread = defaults.fill(format!("{at}/diameter_spread_um"), &mut self.diameter_spread_um, 0.0);
+        let random_waviness =
+            self.random_waviness.as_mut().map(|random| random.fill(&random_waviness_of("every_ball"), defaults));
+        EveryBall { random_waviness, diameter_spread: UM.to_si(spread) }
+    }
+}
+
+impl RacewaySurfaceInput {
     fn resolve_defects(&mut self, name: &str, defaults: &mut Defaults) -> Vec<Defect> {
         let mut defects = Vec::new();
         for (index, defect) in self.defects.iter_mut().flatten().enumerate() {

@@ -22,6 +22,8 @@ fn wrong_surfaces_are_refused() {
         let good = json!({ "azimuth_deg": 90, "length_mm": 0.2, "depth_um": 10 });
         inner(json!({ "defects": [good, fields] }))
     };
+    let balls = |fields: Value| json!({ "balls": [{ "ball": 2, "diameter_um": 1 }, fields] });
+    let every_ball = |fields: Value| json!({ "every_ball": fields });
     let apart = |index: i32| json!({ "azimuth_deg": 20 * index, "length_mm": 0.1, "depth_um": 3 });
     let many_defects: Vec<Value> = (0..17).map(apart).collect();
     let many = vec![json!({ "order": 8, "amplitude_nm": 10 }); 65];
@@ -86,9 +88,18 @@ fn wrong_surfaces_are_refused() {
         (inner(json!({ "defects": [{ "length_mm": 80, "depth_um": 3 }] })), "inner/defects", "item 0 are no less than"),
         (inner(json!({ "defects": many_defects })), "inner/defects", "17 defects: at most 16"),
         (inner(json!({ "axial_waviness": [] })), "inner/axial_waviness", "not supported yet"),
+        (balls(json!({})), "balls/1/ball", "required, but missing"),
+        (balls(json!({ "ball": 0 })), "balls/1/ball", "0: must be from 1 to 64"),
+        (balls(json!({ "ball": 1.5 })), "balls/1/ball", "1.5: must be a whole number from 1 to 64"),
+        (balls(json!({ "ball": 8 })), "balls", "ball 8 of item 1: the bearing has 7 balls"),
+        (balls(json!({ "ball": 2, "diameter_um": 1 })), "balls", "items 0 and 1 are both of ball 2"),
+        (balls(json!({ "ball": 3, "diameter_um": -6000 })), "balls/1/diameter_um", "must be from -5000 to 5000 µm"),
+        (balls(json!({ "ball": 3, "diameter_um": 30 })), "balls", "30 µm of item 1: at most"),
+        (every_ball(json!({ "diameter_spread_um": -1 })), "every_ball/diameter_spread_um", "must be from 0 to 5000 µm"),
+        (every_ball(json!({ "diameter_spread_um": 30 })), "every_ball/diameter_spread_um", "30 µm: at most"),
+        (balls(json!({ "ball": 3, "waviness": [] })), "balls/1/waviness", "not supported yet"),
+        (balls(json!({ "ball": 3, "defects": [] })), "balls/1/defects", "not supported yet"),
         (json!({ "preset": "new" }), "preset", "known: `precision`, `standard`, `worn`"),
-        (json!({ "balls": [] }), "balls", "not supported yet"),
-        (json!({ "every_ball": {} }), "every_ball", "not supported yet"),
     ] {
         let body = wavy(surfaces);
         let Err(Refusal::Invalid { errors }) = parse_job(body.as_bytes()) else { panic!("{body}") };
@@ -215,14 +226,20 @@ fn a_study_varies_waves() {
         "/surfaces/outer/defects/0/length_mm",
         "/surfaces/outer/defects/0/depth_um",
         "/surfaces/outer/defects/0/azimuth_deg",
+        "/surfaces/balls/1/diameter_um",
+        "/surfaces/balls/1/ball",
+        "/surfaces/every_ball/diameter_spread_um",
+        "/bearing/cage/pocket_spacing_mrad/4",
         "/surfaces/seed",
     ] {
         let request = json!({
             "kind": "study",
             "scene": {
-                "bearing": "article-integrated",
+                "bearing": { "preset": "article-integrated", "cage": { "pocket_spacing_mrad": [0, 0, 1, 0, 0, -1, 0] } },
                 "operation": { "speed_rpm": 50000 },
                 "surfaces": {
+                    "balls": [{ "ball": 1 }, { "ball": 6, "diameter_um": 0.3 }],
+                    "every_ball": {},
                     "inner": { "waviness": [{ "order": 8, "amplitude_nm": 10 }] },
                     "outer": {
                         "random_waviness": { "amplitude_nm": 5 },
@@ -236,6 +253,61 @@ fn a_study_varies_waves() {
         let point = study.into_study().unwrap().point(1).unwrap().scene_json();
         assert_eq!(point.pointer(path).and_then(Value::as_f64), Some(3.0), "{path}");
     }
+}
+
+/// Balls have defaults, and `resolve` tells each diameter, drawn or given. Ten turns of the cage are recorded.
+#[test]
+fn resolve_tells_of_balls() {
+    let answer = resolved(json!({ "balls": [{ "ball": 2 }], "every_ball": { "diameter_spread_um": 0.5 } }), 600.0);
+    let sizes = |answer: &Value| -> Vec<f64> {
+        let balls = answer["derived"]["surfaces"]["balls"].as_array().unwrap();
+        (1..)
+            .zip(balls)
+            .map(|(number, ball)| {
+                assert_eq!(ball["ball"], number);
+                ball["diameter_um"].as_f64().unwrap()
+            })
+            .collect()
+    };
+    let drawn = sizes(&answer);
+    let spread = drawn.iter().copied().fold(f64::MIN, f64::max) - drawn.iter().copied().fold(f64::MAX, f64::min);
+    assert!(drawn.len() == 9 && (spread - 0.5).abs() < 1e-9 && drawn.iter().sum::<f64>().abs() < 1e-9, "{drawn:?}");
+    assert_eq!(answer["scene"]["surfaces"]["balls"], json!([{ "ball": 2, "diameter_um": 0.0 }]));
+    let turns = answer["duration_s"].as_f64().unwrap() * answer["derived"]["frequencies_hz"]["cage"].as_f64().unwrap();
+    assert!((turns - 10.0).abs() < 1e-3, "{turns}");
+    let own = sizes(&resolved(
+        json!({ "balls": [{ "ball": 2, "diameter_um": 1 }], "every_ball": { "diameter_spread_um": 0.5 } }),
+        600.0,
+    ));
+    assert!((own[1] - drawn[1] - 1.0).abs() < 1e-9 && own[2] == drawn[2], "{own:?}");
+}
+
+/// Pockets keep a ball and half their clearance between their centres; each has its deviation.
+#[test]
+fn wrong_pockets_are_refused() {
+    let at = "/scene/bearing/cage/pocket_spacing_mrad";
+    for (spacing, pointer, words) in [
+        (json!([0, 1]), at.to_owned(), "2 values: the cage has 7 pockets"),
+        (json!([0, 0, 600, 0, 0, 0, 0]), at.to_owned(), "pockets 3 and 4 are 1.9"),
+        (json!([0, 0, 0, 0, 0, 0, 1001]), format!("{at}/6"), "1001 mrad: must be from -1000 to 1000 mrad"),
+        (json!(["1", 0]), format!("{at}/0"), "expected a number"),
+    ] {
+        let bearing = json!({ "preset": "article-integrated", "cage": { "pocket_spacing_mrad": spacing } });
+        let body =
+            json!({ "kind": "simulation", "scene": { "bearing": bearing, "operation": { "speed_rpm": 50_000 } } });
+        let Err(Refusal::Invalid { errors }) = parse_job(body.to_string().as_bytes()) else { panic!("{body}") };
+        let [error] = &errors[..] else { panic!("{body}: {errors:?}") };
+        assert!(error.pointer.starts_with(&pointer) && error.detail.contains(words), "{body}: {error:?}");
+    }
+    let clamped = json!({ "balls": [{ "ball": 1, "diameter_um": 20 }] });
+    let tight = json!({ "preset": "article-integrated", "cage": { "pocket_clearance_mm": 0.015 } });
+    let scene = json!({ "bearing": tight, "operation": { "speed_rpm": 50_000 }, "surfaces": clamped });
+    let Err(Refusal::Invalid { errors }) =
+        parse_job(json!({ "kind": "simulation", "scene": scene }).to_string().as_bytes())
+    else {
+        panic!("{scene}")
+    };
+    assert!(errors.len() == 1 && errors[0].detail.contains("its pocket leaves 15.0000 µm"), "{errors:?}");
 }
 
 /// A 6205 with surfaces, and the answer of `resolve`.

@@ -1,5 +1,6 @@
 //! A ball: rigid, homogeneous, six degrees of freedom.
 
+use super::bearing::Bearing;
 use super::frames::{Azimuth, Vector};
 use crate::numerics::lanes::side_by_side;
 
@@ -22,6 +23,31 @@ pub(crate) struct BallMotion<T = f64> {
 }
 side_by_side!(BallMotion { azimuth_angle, azimuth, axial, radius, orbit_speed, velocity, spin });
 
+/// Size and mass of a ball.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BallBody<T = f64> {
+    /// Radius less the nominal one [m].
+    pub oversize: T,
+    /// [kg]
+    pub mass: T,
+    /// Moment of inertia about any axis [kg m²].
+    pub inertia: T,
+    /// Reciprocals, divided once [1/kg, 1/(kg m²)].
+    pub per_mass: T,
+    pub per_inertia: T,
+}
+side_by_side!(BallBody { oversize, mass, inertia, per_mass, per_inertia });
+
+impl BallBody {
+    /// A ball of a bearing whose diameter deviates from nominal [m].
+    pub(crate) fn new(bearing: &Bearing, diameter_deviation: f64) -> Self {
+        let ratio = 1.0 + diameter_deviation / bearing.parameters.ball_diameter;
+        let (mass, inertia) = (bearing.ball_mass * ratio.powi(3), bearing.ball_inertia * ratio.powi(5));
+        let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
+        Self { oversize: 0.5 * diameter_deviation, mass, inertia, per_mass, per_inertia }
+    }
+}
+
 /// Second derivatives of a ball's coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BallAcceleration {
@@ -39,10 +65,8 @@ impl BallMotion {
     /// Equations (1)–(6): m (ẍ, r̈ − r θ̇², r θ̈ + 2 ṙ θ̇) = F and I (ω̇_x, ω̇_r − ω_t θ̇, ω̇_t + ω_r θ̇) = M. The
     /// components of ω belong to a frame that turns with θ̇ about x.
     #[inline(always)]
-    pub(crate) fn acceleration(&self, force: Vector, moment: Vector, mass: f64, inertia: f64) -> BallAcceleration {
-        let orbit = self.orbit_speed;
-        // Constants of all balls, divided once.
-        let (per_mass, per_inertia) = (1.0 / mass, 1.0 / inertia);
+    pub(crate) fn acceleration(&self, force: Vector, moment: Vector, body: &BallBody) -> BallAcceleration {
+        let (orbit, per_mass, per_inertia) = (self.orbit_speed, body.per_mass, body.per_inertia);
         BallAcceleration {
             axial: force[0] * per_mass,
             radial: force[1] * per_mass + self.radius * orbit * orbit,
@@ -73,7 +97,7 @@ mod tests {
             velocity: [0.5, -1.5, radius * speed],
             spin: [1.0, 2.0, 3.0],
         };
-        let a = motion.acceleration([0.0; 3], [0.0; 3], 1.0, 1.0);
+        let a = motion.acceleration([0.0; 3], [0.0; 3], &BallBody::default());
         // d²/dt² of (r cos θ, r sin θ) must vanish.
         let (r1, t1) = (motion.velocity[1], speed);
         let radial = a.radial - radius * t1 * t1;

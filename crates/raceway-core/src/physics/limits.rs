@@ -31,7 +31,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 73] = [
+const LIMITS: [Limits; 80] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -105,6 +105,14 @@ const LIMITS: [Limits; 73] = [
     above(".defects.width", 0.0, 10.0),
     within(".defects.depth", 0.0, 1e-3),
     within(".defects.across", -0.5, 0.5),
+    within("bearing.cage.pocket_deviations", -1.0, 1.0),
+    within("surfaces.balls.ball", 1.0, MAX_BALLS),
+    // A hundredth of the largest ball.
+    within(".diameter_deviation", -0.005, 0.005),
+    within(".diameter_spread", 0.0, 0.005),
+    above(".defects.diameter", 0.0, 0.5),
+    within(".defects.latitude", -0.5 * PI, 0.5 * PI),
+    within(".defects.longitude", -2.0 * PI, 2.0 * PI),
     within("surfaces.seed", 0.0, 9_007_199_254_740_991.0),
 ];
 

@@ -35,6 +35,8 @@ pub struct NeighbourMotion {
     pub velocity: Vector,
     /// Sum of the angular velocities of both [rad/s].
     pub spin: Vector,
+    /// Sum of the radii of both less twice the nominal one [m].
+    pub oversize: f64,
 }
 
 /// Load of a neighbour on a ball; the neighbour takes the opposite force and the same moment.
@@ -81,7 +83,7 @@ impl NeighbourContact {
     #[inline(always)]
     pub fn load(&self, motion: &NeighbourMotion) -> NeighbourLoad {
         let distance = length(motion.displacement);
-        let penetration = self.ball_diameter - distance;
+        let penetration = self.ball_diameter + motion.oversize - distance;
         if penetration <= 0.0 && self.squeeze == 0.0 {
             return NeighbourLoad { penetration, ..NeighbourLoad::default() };
         }
@@ -122,7 +124,7 @@ mod tests {
     }
 
     fn at(gap: f64, velocity: Vector, spin: Vector) -> NeighbourMotion {
-        NeighbourMotion { displacement: [0.0, 2.778e-3 + gap, 0.0], velocity, spin }
+        NeighbourMotion { displacement: [0.0, 2.778e-3 + gap, 0.0], velocity, spin, oversize: 0.0 }
     }
 
     /// Balls of 2.778 mm of GCr15 (219 GPa, 0.3): E* = 120.33 GPa, R = 0.6945 mm, K = 4/3 E* √R = 4.228e9 N/m^1.5. Two balls
@@ -147,6 +149,7 @@ mod tests {
                 displacement: [0.0, y[0] - y[1], 0.0],
                 velocity: [0.0, y[2] - y[3], 0.0],
                 spin: [0.0; 3],
+                oversize: 0.0,
             };
             contact.load(&motion).force[1]
         };
@@ -176,7 +179,7 @@ mod tests {
         let contact = contact(|_| {}, true);
         let spins = [[300.0, -200.0, 4e3], [-150.0, 900.0, 2e3]];
         let (place, velocity) = ([1e-3, 2.4e-3, -0.95e-3], [0.02, -0.05, 0.03]);
-        let motion = NeighbourMotion { displacement: place, velocity, spin: add(spins[0], spins[1]) };
+        let motion = NeighbourMotion { displacement: place, velocity, spin: add(spins[0], spins[1]), oversize: 0.0 };
         let load = contact.load(&motion);
         assert!(load.penetration > 0.0 && load.normal > 1.0, "{load:?}");
         // x₁ × F − x₂ × F + 2 M = 0.

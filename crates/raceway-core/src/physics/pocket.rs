@@ -46,6 +46,8 @@ pub struct Pocket {
     friction: f64,
     friction_speed: f64,
     hydrodynamics: Option<PocketHydrodynamics>,
+    /// Radius of the largest ball less the nominal one [m]; `None`: all balls are alike.
+    largest_oversize: Option<f64>,
 }
 
 /// Which parts of the pocket force a model contains.
@@ -79,10 +81,12 @@ pub struct PocketMotion<T = f64> {
     pub velocity: Vector<T>,
     /// Angular velocity of the ball relative to the cage [rad/s].
     pub spin: Vector<T>,
+    /// Radius of the ball less the nominal one [m]; only pockets of unequal balls ask for it.
+    pub oversize: T,
 }
-side_by_side!(PocketMotion { displacement, velocity, spin });
+side_by_side!(PocketMotion { displacement, velocity, spin, oversize });
 
-/// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch) [m], its
+/// Approach of the ball to the nearest point of the seat: distance from the pocket's centre (`C_p` at touch of a nominal ball) [m], its
 /// rate [m/s], and the unit vector of the force on the ball.
 #[derive(Debug, Clone, Copy, Default)]
 struct Approach<T = f64> {
@@ -148,7 +152,19 @@ impl Pocket {
             friction: if terms.friction { cage.friction } else { 0.0 },
             friction_speed: cage.friction_speed,
             hydrodynamics: terms.hydrodynamics.then(|| wedge.hydrodynamics()),
+            largest_oversize: None,
         }
+    }
+
+    /// The same pockets for balls that differ in size; `largest`: radius of the largest less the nominal one [m].
+    pub(crate) fn with_unequal_balls(self, largest: f64) -> Self {
+        Self { largest_oversize: Some(largest), ..self }
+    }
+
+    /// The pocket as a ball of its own size meets it, by its radius less the nominal one [m]: the seat is the same.
+    #[inline(always)]
+    fn of_ball(self, oversize: f64) -> Self {
+        Self { ball_radius: self.ball_radius + oversize, clearance: self.clearance - oversize, ..self }
     }
 
     /// `C_p`, half the diametral pocket clearance [m].
@@ -207,8 +223,17 @@ impl Pocket {
     ) {
         let approach = self.approaches(motion);
         let pocket = *self;
-        for lane in 0..N {
-            slopes.put(lane, pocket.slopes(&approach.at(lane)));
+        match pocket.largest_oversize {
+            None => {
+                for lane in 0..N {
+                    slopes.put(lane, pocket.slopes(&approach.at(lane)));
+                }
+            }
+            Some(_) => {
+                for lane in 0..N {
+                    slopes.put(lane, pocket.of_ball(motion.oversize[lane]).slopes(&approach.at(lane)));
+                }
+            }
         }
         self.loads_at(motion, &approach, load);
     }
@@ -243,9 +268,19 @@ impl Pocket {
         load: &mut PocketLoad<Lanes<N>>,
     ) {
         let pocket = *self;
-        let solid = pocket.solid_loads(approach);
-        for lane in 0..N {
-            load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+        let solid = pocket.solid_loads(approach, &motion.oversize);
+        match pocket.largest_oversize {
+            None => {
+                for lane in 0..N {
+                    load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+                }
+            }
+            Some(_) => {
+                for lane in 0..N {
+                    let pocket = pocket.of_ball(motion.oversize[lane]);
+                    load.put(lane, pocket.normal_part(&approach.at(lane), solid[lane]));
+                }
+            }
         }
         match pocket.hydrodynamics {
             Some(hydrodynamics) => {
@@ -288,15 +323,20 @@ impl Pocket {
 
     /// Loads of the solid contacts [N].
     #[inline(always)]
-    fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>) -> Lanes<N> {
+    fn solid_loads<const N: usize>(self, approach: &Approach<Lanes<N>>, oversize: &Lanes<N>) -> Lanes<N> {
         let mut solid = Lanes::default();
-        if !approach.distance.any(|distance| distance > self.clearance) {
+        let least = self.clearance - self.largest_oversize.unwrap_or(0.0);
+        if !approach.distance.any(|distance| distance > least) {
             return solid;
+        }
+        let mut penetrations = <Lanes<N>>::default();
+        for lane in 0..N {
+            penetrations[lane] = approach.distance[lane] - (self.clearance - oversize[lane]);
         }
         match self.bar_stiffness {
             None => {
                 for lane in 0..N {
-                    let penetration = approach.distance[lane] - self.clearance;
+                    let penetration = penetrations[lane];
                     let depth = larger(penetration, 0.0) * self.per_clearance;
                     let stiffness = self.solid_stiffness * conformity(depth.sqrt());
                     solid[lane] = normal_load(stiffness, penetration, approach.rate[lane], &self.solid_damping);
@@ -304,7 +344,7 @@ impl Pocket {
             }
             Some(bar) => {
                 for lane in 0..N {
-                    let penetration = larger(approach.distance[lane] - self.clearance, 0.0);
+                    let penetration = larger(penetrations[lane], 0.0);
                     let share = self.contact_share(bar, penetration);
                     let local = if penetration > 0.0 { share } else { 0.0 };
                     let root = (local * self.per_clearance).sqrt();
@@ -443,7 +483,7 @@ mod tests {
     const ALL: PocketTerms = PocketTerms { film: true, friction: true, hydrodynamics: false };
 
     fn at_rest(displacement: Vector) -> PocketMotion {
-        PocketMotion { displacement, velocity: [0.0; 3], spin: [0.0; 3] }
+        PocketMotion { displacement, ..PocketMotion::default() }
     }
 
     /// Pins the wedge: 3.8e4 N/m in the article's case, about a tenth of the untruncated 4e5 N/m.
@@ -519,12 +559,18 @@ mod tests {
     #[test]
     fn film_does_not_pull_and_friction_needs_solid_contact() {
         let pocket = article_pocket(|_| {}, ALL);
-        let leaving =
-            PocketMotion { displacement: [0.0, 10e-6, 0.0], velocity: [0.0, -10.0, 0.0], spin: [1e4, 0.0, 0.0] };
+        let leaving = PocketMotion {
+            displacement: [0.0, 10e-6, 0.0],
+            velocity: [0.0, -10.0, 0.0],
+            spin: [1e4, 0.0, 0.0],
+            oversize: 0.0,
+        };
         assert_eq!(length(pocket.load(&leaving).force), 0.0);
-        let film_only = PocketMotion { displacement: [0.0, 0.0, 20e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0] };
+        let film_only =
+            PocketMotion { displacement: [0.0, 0.0, 20e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0], oversize: 0.0 };
         assert_eq!(pocket.load(&film_only).moment, [0.0; 3]);
-        let solid = PocketMotion { displacement: [0.0, 0.0, 30e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0] };
+        let solid =
+            PocketMotion { displacement: [0.0, 0.0, 30e-6], velocity: [0.0; 3], spin: [1e4, 0.0, 0.0], oversize: 0.0 };
         let load = pocket.load(&solid);
         // Contact point at +z, spin about +x moves the ball's surface there towards −y: friction points to +y
         // and brakes the spin.

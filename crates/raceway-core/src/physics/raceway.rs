@@ -51,6 +51,8 @@ pub struct RacewayContact {
     /// Strips that each carry the load of their mirror image as well.
     folded_strips: MirroredStrips,
     surface: SurfaceProfile,
+    /// Whether balls differ in size.
+    unequal_balls: bool,
 }
 
 /// Loads of balls side by side, to be compiled for each instruction set. Written where they are wanted: no copies.
@@ -126,6 +128,7 @@ impl RacewayContact {
             strips: MirroredStrips::new(&strips, 1.0),
             folded_strips: MirroredStrips::new(&strips, 2.0),
             surface: SurfaceProfile::None,
+            unequal_balls: false,
         };
         PerRaceway {
             inner: one(-1.0, hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
@@ -137,6 +140,11 @@ impl RacewayContact {
     pub fn with_surface(mut self, surface: SurfaceProfile) -> Self {
         self.surface = surface;
         self
+    }
+
+    /// The same raceway for balls that differ in size.
+    pub(crate) fn with_unequal_balls(self) -> Self {
+        Self { unequal_balls: true, ..self }
     }
 
     /// The surface profile.
@@ -218,18 +226,27 @@ impl RacewayContact {
         for lane in 0..N {
             contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), lift.at(lane)));
         }
+        if self.unequal_balls {
+            // A larger ball touches farther from its centre.
+            for lane in 0..N {
+                contact.shift[lane] += motion.oversize[lane];
+                contact.apex[lane] += motion.oversize[lane];
+            }
+        }
         contact
     }
 
-    /// Heights of the raceway under balls [m], and the rates at which they rise [m/s].
+    /// Heights of the raceway under balls [m], with the excess of their radii, and the rates at which they rise [m/s].
     #[inline(always)]
     fn lifts<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
         if self.surface.is_ideal() {
-            return <(Lanes<N>, Lanes<N>)>::default();
+            let height = if self.unequal_balls { motion.oversize } else { Lanes::default() };
+            return (height, Lanes::default());
         }
-        let (of, places) = self.heights(motion);
+        let (mut of, places) = self.heights(motion);
         let mut rise = <Lanes<N>>::default();
         for lane in 0..N {
+            of.height[lane] += motion.oversize[lane];
             rise[lane] = of.along[lane] * motion.at(lane).azimuth_rate();
         }
         if self.surface.is_narrow() {

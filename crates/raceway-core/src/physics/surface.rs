@@ -1,4 +1,4 @@
-//! Deviation of a raceway from its ideal circle: a height over azimuth, out of the material.
+//! Deviation of raceways and balls from their ideal forms. A raceway has a height over azimuth, out of the material.
 //!
 //! The height h adds to the penetration δ and its rate to the damping. Because δ depends on the azimuth φ of the ball on the ring, a
 //! load Q also pushes the ball along the raceway with −Q h_φ/r, and the ring with the opposite at the same point: the tilt of the
@@ -6,6 +6,7 @@
 //!
 //! Along the raceway a profile has a continuous second derivative: a step in slope would be an impact that no step size resolves.
 
+pub mod ball;
 pub mod defects;
 mod height;
 mod narrow;

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::ball::{self, BallSurface, EveryBall, GivenBall};
 use super::defects::{Defect, MOST_DEFECTS};
 use crate::numerics::angle::sin_cos;
 use crate::numerics::exponential::power;
@@ -42,43 +43,75 @@ pub struct RacewaySurface {
     pub defects: Vec<Defect>,
 }
 
-/// Surfaces of both raceways.
+/// Surfaces as given, unchecked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SurfaceParameters {
+    pub raceway: PerRaceway<RacewaySurface>,
+    /// Balls with a surface of their own.
+    pub balls: Vec<GivenBall>,
+    pub every_ball: EveryBall,
+    /// Seed of all drawn numbers.
+    pub seed: u64,
+}
+
+impl Default for SurfaceParameters {
+    fn default() -> Self {
+        let Surfaces { raceway, seed, .. } = Surfaces::default();
+        Self { raceway, balls: Vec::new(), every_ball: EveryBall::default(), seed }
+    }
+}
+
+/// Surfaces of both raceways and of the balls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surfaces {
     pub raceway: PerRaceway<RacewaySurface>,
+    /// Surface of each ball; empty where all are ideal.
+    pub balls: Vec<BallSurface>,
     /// Seed of all drawn numbers.
     pub seed: u64,
 }
 
 impl Default for Surfaces {
     fn default() -> Self {
-        Self { raceway: PerRaceway { inner: RacewaySurface::default(), outer: RacewaySurface::default() }, seed: 1 }
+        let raceway = PerRaceway { inner: RacewaySurface::default(), outer: RacewaySurface::default() };
+        Self { raceway, balls: Vec::new(), seed: 1 }
     }
 }
 
 /// Largest number of waves that are given one by one.
 pub const MOST_WAVES: usize = 64;
 
+/// Names of the parameters of waves, in the order of the fields.
+pub(super) struct WaveNames {
+    pub(super) waviness: &'static str,
+    pub(super) wave: [&'static str; 3],
+    pub(super) random: [&'static str; 5],
+}
+
 /// Names of the parameters of one raceway, in the order of the fields.
 struct Names {
-    waviness: &'static str,
-    wave: [&'static str; 3],
-    random: [&'static str; 5],
+    waves: WaveNames,
     defects: &'static str,
     defect: [&'static str; 5],
 }
 
 const NAMES: PerRaceway<Names> = PerRaceway {
     inner: Names {
-        waviness: "surfaces.inner.waviness",
-        wave: ["surfaces.inner.waviness.order", "surfaces.inner.waviness.amplitude", "surfaces.inner.waviness.phase"],
-        random: [
-            "surfaces.inner.random_waviness.amplitude",
-            "surfaces.inner.random_waviness.at_order",
-            "surfaces.inner.random_waviness.exponent",
-            "surfaces.inner.random_waviness.from_order",
-            "surfaces.inner.random_waviness.to_order",
-        ],
+        waves: WaveNames {
+            waviness: "surfaces.inner.waviness",
+            wave: [
+                "surfaces.inner.waviness.order",
+                "surfaces.inner.waviness.amplitude",
+                "surfaces.inner.waviness.phase",
+            ],
+            random: [
+                "surfaces.inner.random_waviness.amplitude",
+                "surfaces.inner.random_waviness.at_order",
+                "surfaces.inner.random_waviness.exponent",
+                "surfaces.inner.random_waviness.from_order",
+                "surfaces.inner.random_waviness.to_order",
+            ],
+        },
         defects: "surfaces.inner.defects",
         defect: [
             "surfaces.inner.defects.azimuth",
@@ -89,15 +122,21 @@ const NAMES: PerRaceway<Names> = PerRaceway {
         ],
     },
     outer: Names {
-        waviness: "surfaces.outer.waviness",
-        wave: ["surfaces.outer.waviness.order", "surfaces.outer.waviness.amplitude", "surfaces.outer.waviness.phase"],
-        random: [
-            "surfaces.outer.random_waviness.amplitude",
-            "surfaces.outer.random_waviness.at_order",
-            "surfaces.outer.random_waviness.exponent",
-            "surfaces.outer.random_waviness.from_order",
-            "surfaces.outer.random_waviness.to_order",
-        ],
+        waves: WaveNames {
+            waviness: "surfaces.outer.waviness",
+            wave: [
+                "surfaces.outer.waviness.order",
+                "surfaces.outer.waviness.amplitude",
+                "surfaces.outer.waviness.phase",
+            ],
+            random: [
+                "surfaces.outer.random_waviness.amplitude",
+                "surfaces.outer.random_waviness.at_order",
+                "surfaces.outer.random_waviness.exponent",
+                "surfaces.outer.random_waviness.from_order",
+                "surfaces.outer.random_waviness.to_order",
+            ],
+        },
         defects: "surfaces.outer.defects",
         defect: [
             "surfaces.outer.defects.azimuth",
@@ -112,7 +151,7 @@ const NAMES: PerRaceway<Names> = PerRaceway {
 impl Surfaces {
     /// Returns true where no height differs from 0.
     pub fn are_ideal(&self) -> bool {
-        self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal()
+        self.raceway.inner.is_ideal() && self.raceway.outer.is_ideal() && self.balls.is_empty()
     }
 
     /// Returns true where a raceway has a defect.
@@ -126,14 +165,17 @@ impl Surfaces {
         let is_aside = |defect: &Defect| defect.depth > 0.0 && defect.width.is_some() && defect.across != 0.0;
         inner.defects.iter().chain(&outer.defects).any(is_aside)
     }
+}
 
+impl SurfaceParameters {
     pub(crate) fn check(&self, faults: &mut Faults) {
         self.raceway.inner.check(&NAMES.inner, faults);
         self.raceway.outer.check(&NAMES.outer, faults);
+        ball::check(&self.balls, &self.every_ball, faults);
         faults.check("surfaces.seed", self.seed as f64);
     }
 
-    /// Refuses defects that do not fit a raceway, or that overlap.
+    /// Refuses defects that do not fit a raceway, or that overlap, and balls that do not fit the bearing.
     pub(crate) fn check_fit(&self, bearing: &Bearing, faults: &mut Faults) {
         let p = &bearing.parameters;
         let (centre, curvature) = (&bearing.groove_centre_radius, &p.groove_curvature);
@@ -141,6 +183,61 @@ impl Surfaces {
         let outer = centre.outer + curvature.outer * p.ball_diameter;
         self.raceway.inner.check_fit(inner, NAMES.inner.defects, faults);
         self.raceway.outer.check_fit(outer, NAMES.outer.defects, faults);
+        ball::check_fit(&self.balls, &self.every_ball, bearing, faults);
+    }
+
+    /// Refuses balls that overlap; `distances`: between the centres of each ball and the next [m], `diameter`: the nominal one [m].
+    pub(crate) fn check_neighbours(&self, distances: &[f64], diameter: f64, faults: &mut Faults) {
+        let surfaces = ball::surfaces(&self.balls, &self.every_ball, distances.len(), self.seed);
+        ball::check_neighbours(&surfaces, distances, diameter, faults);
+    }
+
+    /// Refuses balls that their pockets clamp, by the diametral clearance of a nominal ball [m].
+    pub(crate) fn check_pockets(&self, balls: usize, clearance: f64, faults: &mut Faults) {
+        ball::check_pockets(
+            &self.balls,
+            &ball::surfaces(&self.balls, &self.every_ball, balls, self.seed),
+            clearance,
+            faults,
+        );
+    }
+
+    /// The surfaces in a bearing of some balls.
+    pub(crate) fn of_balls(self, count: usize) -> Surfaces {
+        let Self { raceway, balls, every_ball, seed } = self;
+        Surfaces { raceway, balls: ball::surfaces(&balls, &every_ball, count, seed), seed }
+    }
+}
+
+impl WaveNames {
+    /// Checks waves given one by one.
+    pub(super) fn check_waves(&self, waves: &[Wave], most: usize, faults: &mut Faults) {
+        if waves.len() > most {
+            faults.inconsistent(self.waviness, format!("{} waves: at most {most}", waves.len()));
+        }
+        for wave in waves {
+            let values = [f64::from(wave.order), wave.amplitude, wave.phase];
+            for (name, value) in self.wave.iter().zip(values) {
+                faults.check(name, value);
+            }
+        }
+    }
+}
+
+impl RandomWaviness {
+    /// `names`: of the parameters, in the order of the fields.
+    pub(super) fn check(&self, names: &[&'static str; 5], faults: &mut Faults) {
+        let [amplitude, at_order, exponent, from_order, to_order] = names;
+        faults.check(amplitude, self.amplitude);
+        faults.check(at_order, f64::from(self.at_order));
+        faults.check(exponent, self.exponent);
+        faults.check(from_order, f64::from(self.from_order));
+        if let Some(to) = self.to_order
+            && faults.check(to_order, f64::from(to))
+            && to < self.from_order
+        {
+            faults.inconsistent(to_order, format!("{to} is below from_order, {}", self.from_order));
+        }
     }
 }
 
@@ -174,27 +271,9 @@ impl RacewaySurface {
     }
 
     fn check(&self, names: &Names, faults: &mut Faults) {
-        if self.waviness.len() > MOST_WAVES {
-            faults.inconsistent(names.waviness, format!("{} waves: at most {MOST_WAVES}", self.waviness.len()));
-        }
-        for wave in &self.waviness {
-            let values = [f64::from(wave.order), wave.amplitude, wave.phase];
-            for (name, value) in names.wave.iter().zip(values) {
-                faults.check(name, value);
-            }
-        }
+        names.waves.check_waves(&self.waviness, MOST_WAVES, faults);
         if let Some(random) = &self.random_waviness {
-            let [amplitude, at_order, exponent, from_order, to_order] = names.random;
-            faults.check(amplitude, random.amplitude);
-            faults.check(at_order, f64::from(random.at_order));
-            faults.check(exponent, random.exponent);
-            faults.check(from_order, f64::from(random.from_order));
-            if let Some(to) = random.to_order
-                && faults.check(to_order, f64::from(to))
-                && to < random.from_order
-            {
-                faults.inconsistent(to_order, format!("{to} is below from_order, {}", random.from_order));
-            }
+            random.check(&names.waves.random, faults);
         }
         if self.defects.len() > MOST_DEFECTS {
             faults.inconsistent(names.defects, format!("{} defects: at most {MOST_DEFECTS}", self.defects.len()));
@@ -230,12 +309,13 @@ pub(crate) const INNER: u64 = 1;
 
 /// What a drawn number belongs to.
 #[derive(Debug, Clone, Copy)]
-enum Kind {
+pub(super) enum Kind {
     RadialWave,
+    Diameter,
 }
 
 /// A number of 0 … 1 that depends on the words alone: no other field of a scene changes it.
-fn drawn_number(words: [u64; 4]) -> f64 {
+pub(super) fn drawn_number(words: [u64; 4]) -> f64 {
     let hash = words.into_iter().fold(0, |hash, word| SplitMix64::new(hash ^ word).next());
     SplitMix64::new(hash).uniform()
 }

@@ -1,5 +1,7 @@
 //! The scene: bearing, load, speed and lubricant, checked once on construction.
 
+use std::f64::consts::TAU;
+
 use crate::physics::InvalidParameter;
 use crate::physics::bearing::{Bearing, BearingParameters};
 use crate::physics::cage::CageParameters;
@@ -10,7 +12,7 @@ use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::presets::{self, BearingPreset};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
-use crate::physics::surface::waviness::Surfaces;
+use crate::physics::surface::waviness::{SurfaceParameters, Surfaces};
 
 /// Choice of the request for one term of the equations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,7 +98,9 @@ pub struct SceneParameters {
     pub lubricant: Lubricant,
     pub raceway_damping: DampingLaw,
     pub terms: Terms,
-    pub surfaces: Surfaces,
+    pub surfaces: SurfaceParameters,
+    /// Deviations of the pockets, and of the balls' start azimuths, from equal spacing [rad]; empty: equally spaced.
+    pub pocket_deviations: Vec<f64>,
     /// Acceleration of gravity along +Y [m/s²].
     pub gravity: f64,
 }
@@ -112,6 +116,8 @@ pub struct Scene {
     pub raceway_damping: DampingLaw,
     pub terms: Terms,
     pub surfaces: Surfaces,
+    /// Deviations of the pockets, and of the balls' start azimuths, from equal spacing [rad]; empty: equally spaced.
+    pub pocket_deviations: Vec<f64>,
     pub gravity: f64,
 }
 
@@ -129,6 +135,7 @@ impl Scene {
         p.surfaces.check(&mut faults);
         if let Some(bearing) = &bearing {
             p.surfaces.check_fit(bearing, &mut faults);
+            check_pockets(&p, bearing, &mut faults);
         }
         faults.check("gravity", p.gravity);
         if p.operation.load[0] != 0.0 && p.spindle.axial != AxialHold::Free {
@@ -138,7 +145,9 @@ impl Scene {
                 format!("an axial load of {load} N acts only on a spindle whose axial direction is free"),
             );
         }
+        let is_even = p.pocket_deviations.iter().all(|&deviation| deviation == 0.0);
         faults.of(bearing, |bearing| Self {
+            surfaces: p.surfaces.of_balls(bearing.parameters.ball_count),
             bearing,
             cage: p.cage,
             spindle: p.spindle,
@@ -146,7 +155,7 @@ impl Scene {
             lubricant: p.lubricant,
             raceway_damping: p.raceway_damping,
             terms: p.terms,
-            surfaces: p.surfaces,
+            pocket_deviations: if is_even { Vec::new() } else { p.pocket_deviations },
             gravity: p.gravity,
         })
     }
@@ -173,13 +182,53 @@ impl Scene {
             lubricant: presets::lubricant_of(defaults.lubricant).lubricant,
             raceway_damping: RACEWAY_DAMPING,
             terms: Terms::default(),
-            surfaces: Surfaces::default(),
+            surfaces: SurfaceParameters::default(),
+            pocket_deviations: Vec::new(),
             gravity: GRAVITY,
         })
+    }
+
+    /// Returns true where one ball or pocket differs from another, in size, surface or place.
+    pub fn has_unequal_balls(&self) -> bool {
+        !self.surfaces.balls.is_empty() || !self.pocket_deviations.is_empty()
     }
 
     /// Angular speed that grades, films and ideal kinematics refer to: the largest of the profile [rad/s].
     pub fn operating_speed(&self) -> f64 {
         self.operation.speed.largest()
+    }
+}
+
+/// Refuses pockets that leave no cage between them, balls that overlap, and balls that do not fit their pockets.
+fn check_pockets(p: &SceneParameters, bearing: &Bearing, faults: &mut Faults) {
+    const SPACING: &str = "bearing.cage.pocket_deviations";
+    let (deviations, BearingParameters { ball_count, ball_diameter, pitch_diameter, .. }) =
+        (&p.pocket_deviations, bearing.parameters);
+    let are_inside = deviations.iter().fold(true, |are, &deviation| faults.check(SPACING, deviation) && are);
+    if !deviations.is_empty() && deviations.len() != ball_count {
+        faults.inconsistent(SPACING, format!("{} values: the cage has {ball_count} pockets", deviations.len()));
+        return;
+    }
+    if !are_inside {
+        return;
+    }
+    let place = |pocket: usize| deviations.get(pocket).copied().unwrap_or_default();
+    let distance = |pocket: usize| {
+        let apart = TAU / ball_count as f64 + place((pocket + 1) % ball_count) - place(pocket);
+        pitch_diameter * (0.5 * apart).sin()
+    };
+    let distances: Vec<f64> = (0..ball_count).map(distance).collect();
+    let least = ball_diameter + 0.5 * p.cage.pocket_clearance;
+    let are_even = deviations.iter().all(|&deviation| deviation == 0.0);
+    for (pocket, distance) in distances.iter().enumerate().filter(|(_, distance)| !are_even && **distance < least) {
+        let (pocket, next, distance, least) = (pocket + 1, (pocket + 1) % ball_count + 1, 1e3 * distance, 1e3 * least);
+        let reason = format!(
+            "the centres of pockets {pocket} and {next} are {distance:.4} mm apart: at least {least:.4} mm, a ball and half the clearance"
+        );
+        faults.inconsistent(SPACING, reason);
+    }
+    p.surfaces.check_neighbours(&distances, ball_diameter, faults);
+    if p.terms.get(Term::Cage) != TermChoice::Off {
+        p.surfaces.check_pockets(ball_count, p.cage.pocket_clearance, faults);
     }
 }

@@ -9,6 +9,14 @@ pub enum Inapplicable {
     #[error("waves of the inner ring (scene.surfaces.inner) turn with the spindle and not with the balls")]
     InnerWaves,
     #[error(
+        "balls differ (scene.surfaces.balls, scene.surfaces.every_ball), so that no motion repeats with every ball"
+    )]
+    UnequalBalls,
+    #[error(
+        "pockets are unevenly spaced (scene.bearing.cage.pocket_spacing_mrad), so that no motion repeats with every ball"
+    )]
+    UnevenPockets,
+    #[error(
         "a ball may leave both raceways over a defect (scene.surfaces), and this model keeps it in equilibrium between them"
     )]
     Defects,

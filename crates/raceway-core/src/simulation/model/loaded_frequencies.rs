@@ -25,9 +25,11 @@ pub fn loaded_frequencies(scene: &Scene, needs: &ActiveTerms) -> Result<Option<L
     let speed = scene.operating_speed();
     let rest = equilibrium(&mechanism, speed)?;
     let balls: Vec<(PerRaceway<f64>, LoadedBall)> = (rest.balls.iter().zip(&rest.angles).zip(rest.loads))
-        .map(|((&(_, radial), &angle), load)| {
+        .enumerate()
+        .map(|(ball, ((&(_, radial), &angle), load))| {
             let orbit_radius = mechanism.pitch_radius + radial;
-            (load, LoadedBall { orbit_radius, ball_radius: mechanism.ball_radius, angle })
+            let ball_radius = mechanism.ball_radius + mechanism.body(ball).oversize;
+            (load, LoadedBall { orbit_radius, ball_radius, angle })
         })
         .collect();
     let mean = |ratio: &dyn Fn(&LoadedBall) -> Option<f64>| {

@@ -1,7 +1,8 @@
 //! Constants of bodies and contacts during a run.
 
-use crate::numerics::lanes::LANES;
-use crate::physics::bearing::{PerRaceway, SpindlePlay};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::physics::ball::BallBody;
+use crate::physics::bearing::{Bearing, PerRaceway, SpindlePlay};
 use crate::physics::cage::CageParameters;
 use crate::physics::drag::Drag;
 use crate::physics::frames::{Azimuth, Vector};
@@ -12,6 +13,7 @@ use crate::physics::operation::{InitialPerturbation, SpeedProfile};
 use crate::physics::pocket::Pocket;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::AxialHold;
+use crate::physics::surface::ball::BallSurface;
 use crate::physics::surface::defects::DefectReach;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
@@ -36,10 +38,14 @@ pub struct Mechanism {
     pub pitch_radius: f64,
     /// Start azimuths of balls and pockets, padded to whole lanes by that of the last ball.
     pub(crate) start: StartAzimuths,
+    /// Mass [kg], moment of inertia [kg m²] and radius [m] of a nominal ball.
     pub ball_mass: f64,
     pub ball_inertia: f64,
-    /// Radius of a ball [m].
     pub ball_radius: f64,
+    /// Size and mass of each ball, eight at a time, padded by the last ball.
+    pub(crate) bodies: Vec<BallBody<Lanes>>,
+    /// Radius of the largest ball less the nominal one [m]; `None`: all balls are nominal.
+    pub(crate) largest_oversize: Option<f64>,
     pub raceway: PerRaceway<RacewayContact>,
     /// Highest frequency at which waves of the raceways pass a ball [Hz]; 0 on ideal circles.
     pub(crate) wave_frequency: f64,
@@ -82,21 +88,31 @@ pub(crate) struct StartAzimuths {
     pub angle: Vec<f64>,
     pub cosine: Vec<f64>,
     pub sine: Vec<f64>,
+    /// Whether all are equally spaced.
+    is_even: bool,
 }
 
 impl StartAzimuths {
-    fn new(balls: usize) -> Self {
-        Self::of((0..balls.next_multiple_of(LANES)).map(|ball| start_azimuth(ball.min(balls - 1), balls)).collect())
+    /// `deviations` from equal spacing [rad]; empty: none.
+    fn new(balls: usize, deviations: &[f64]) -> Self {
+        let one = |ball: usize| start_azimuth(ball, balls) + deviations.get(ball).copied().unwrap_or_default();
+        let angle = (0..balls.next_multiple_of(LANES)).map(|ball| one(ball.min(balls - 1))).collect();
+        Self::of(angle, deviations.is_empty())
+    }
+
+    /// Returns true where balls and pockets are equally spaced.
+    pub(crate) fn are_even(&self) -> bool {
+        self.is_even
     }
 
     /// The azimuths, turned by an angle [rad].
     pub(crate) fn turned(&self, by: f64) -> Self {
-        Self::of(self.angle.iter().map(|angle| angle + by).collect())
+        Self::of(self.angle.iter().map(|angle| angle + by).collect(), self.is_even)
     }
 
-    fn of(angle: Vec<f64>) -> Self {
+    fn of(angle: Vec<f64>, is_even: bool) -> Self {
         let (cosine, sine) = angle.iter().map(|&angle| Azimuth::new(angle)).map(|a| (a.cosine, a.sine)).unzip();
-        Self { angle, cosine, sine }
+        Self { angle, cosine, sine, is_even }
     }
 }
 
@@ -140,6 +156,20 @@ impl Mechanism {
         let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
         let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
         let drag = Drag::new(bearing, &scene.lubricant);
+        let deviations = scene.surfaces.balls.iter().map(|surface| surface.diameter_deviation);
+        let largest_oversize = deviations
+            .clone()
+            .any(|deviation| deviation != 0.0)
+            .then(|| 0.5 * deviations.fold(f64::NEG_INFINITY, f64::max));
+        let mut raceway =
+            RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway);
+        let mut pocket =
+            Pocket::new(bearing, &scene.cage, &scene.lubricant, relative_spin_ratio * operating_speed, needs.pocket);
+        if let Some(largest) = largest_oversize {
+            let PerRaceway { inner, outer } = raceway;
+            raceway = PerRaceway { inner: inner.with_unequal_balls(), outer: outer.with_unequal_balls() };
+            pocket = pocket.with_unequal_balls(largest);
+        }
         Self {
             layout: Layout {
                 balls: bearing.parameters.ball_count,
@@ -151,22 +181,18 @@ impl Mechanism {
             orbit_ratio,
             spin_ratio: relative_spin_ratio + orbit_ratio,
             pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
-            start: StartAzimuths::new(bearing.parameters.ball_count),
+            start: StartAzimuths::new(bearing.parameters.ball_count, &scene.pocket_deviations),
             ball_mass: bearing.ball_mass,
             ball_inertia: bearing.ball_inertia,
             ball_radius: 0.5 * bearing.parameters.ball_diameter,
-            raceway: RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway),
+            bodies: bodies(bearing, &scene.surfaces.balls),
+            largest_oversize,
+            raceway,
             wave_frequency: 0.0,
             defect_step: f64::INFINITY,
             defects: PerRaceway { inner: Vec::new(), outer: Vec::new() },
             sites: None,
-            pocket: Pocket::new(
-                bearing,
-                &scene.cage,
-                &scene.lubricant,
-                relative_spin_ratio * operating_speed,
-                needs.pocket,
-            ),
+            pocket,
             neighbours: (!needs.cage)
                 .then(|| NeighbourContact::new(bearing, &scene.cage, &scene.lubricant, needs.pocket)),
             cage: scene.cage,
@@ -188,10 +214,45 @@ impl Mechanism {
         }
     }
 
-    /// Azimuth at which ball or pocket `index` starts [rad]; ball 0 starts at 0, under the load.
+    /// Azimuth at which ball or pocket `index` starts [rad]. Ball 0 starts at 0, under the load, or at the deviation of its pocket.
     pub fn start_azimuth(&self, index: usize) -> f64 {
-        start_azimuth(index, self.layout.balls)
+        self.start.angle[index]
     }
+
+    /// Size and mass of a ball.
+    pub(crate) fn body(&self, ball: usize) -> BallBody {
+        self.bodies[ball / LANES].at(ball % LANES)
+    }
+
+    /// Start azimuth of a ball [rad], and its radius less the nominal one [m].
+    #[inline(always)]
+    pub(crate) fn start_and_oversize(&self, ball: usize) -> (f64, f64) {
+        (self.start.angle[ball], self.bodies[ball / LANES].oversize[ball % LANES])
+    }
+
+    /// Sum of the radii of two balls less twice the nominal one [m].
+    pub(crate) fn sum_of_oversizes(&self, one: usize, other: usize) -> f64 {
+        self.body(one).oversize + self.body(other).oversize
+    }
+
+    /// Returns true where all balls are nominal, so that one can stand for another.
+    pub(crate) fn has_equal_balls(&self) -> bool {
+        self.largest_oversize.is_none()
+    }
+}
+
+/// Bodies of the balls, padded to whole lanes by the last one.
+fn bodies(bearing: &Bearing, surfaces: &[BallSurface]) -> Vec<BallBody<Lanes>> {
+    let balls = bearing.parameters.ball_count;
+    let deviation = |ball: usize| surfaces.get(ball).map_or(0.0, |surface| surface.diameter_deviation);
+    let group = |first: usize| {
+        let mut bodies = BallBody::default();
+        for lane in 0..LANES {
+            bodies.put(lane, BallBody::new(bearing, deviation((first + lane).min(balls - 1))));
+        }
+        bodies
+    };
+    (0..balls).step_by(LANES).map(group).collect()
 }
 
 fn start_azimuth(index: usize, balls: usize) -> f64 {

@@ -46,8 +46,9 @@ const DEVIATION_COST: f64 = 3.0;
 const SHAFT_SIDEBANDS: i32 = 4;
 const OUTER_SIDEBANDS: i32 = 2;
 const CAGE_SIDEBANDS: i32 = 3;
-/// Label of the ball passage of the inner raceway.
+/// Labels of the ball passages of the raceways.
 const INNER: &str = "BPFI";
+const OUTER: &str = "BPFO";
 /// Labels of whirl.
 const CAGE_WHIRL: &str = "cage whirl";
 const SPINDLE_WHIRL: &str = "spindle whirl";
@@ -67,6 +68,8 @@ pub(crate) struct LineSources {
     pub spindle_whirl: f64,
     /// The inner raceway has a defect. It turns through the load, so that its lines have several sidebands of the shaft.
     pub inner_defect: bool,
+    /// Balls or pockets differ. Their pattern turns with the cage, so that its sidebands stand beside every ball passage.
+    pub unequal_balls: bool,
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
@@ -145,10 +148,12 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
         let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let cost: f64 = combination.iter().map(Term::cost).sum();
         let terms = combination.iter().filter(|term| term.order != 0).count();
-        // A carrier of any order may have one plain sideband, if that fits well. So may any sideband of a defect that turns with the shaft.
+        // A carrier of any order may have one plain sideband, if that fits well. So may any sideband of a defect that turns with the shaft, and
+        // of balls that differ.
         let sides: f64 = combination[1..].iter().map(Term::cost).sum();
         let of_defect = sources.inner_defect && combination[0].name == INNER && combination[2].order == 0;
-        let plain = (sides <= PLAIN_SIDEBAND || of_defect) && deviation.abs() <= GOOD_FIT * tolerance;
+        let of_balls = sources.unequal_balls && combination[0].name == OUTER && combination[1].order == 0;
+        let plain = (sides <= PLAIN_SIDEBAND || of_defect || of_balls) && deviation.abs() <= GOOD_FIT * tolerance;
         if deviation.abs() > tolerance || (terms > 1 && cost > LARGEST_COST && !plain) {
             continue;
         }
@@ -170,7 +175,7 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
     let all = &sources.frequencies;
     let shaft = term("f_r", all.shaft, 1.0);
     let cage = term("FTF", all.cage, 1.6);
-    let outer = term("BPFO", all.ball_pass_outer, 1.0);
+    let outer = term(OUTER, all.ball_pass_outer, 1.0);
     let inner = term(INNER, all.ball_pass_inner, 1.1);
     let ball = term("BSF", 2.0 * all.ball_spin, 1.3);
     let usable = |term: &Term| term.frequency >= SEPARATION * tolerance;
@@ -202,7 +207,15 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
     carry(cage, [shaft, outer]);
     // A whirling cage drives the spindle round at its own rate, so it has precedence.
     let whirls = [term(CAGE_WHIRL, sources.cage_whirl, 1.6), term(SPINDLE_WHIRL, sources.spindle_whirl, 1.6)];
-    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
+    // Unequal balls drive the spindle round at multiples of the cage speed.
+    let is_driven = |whirl: &Term| {
+        let order = (frequency / cage.frequency).round();
+        sources.unequal_balls
+            && usable(&cage)
+            && order <= HIGHEST_CAGE_ORDER
+            && (whirl.frequency - order * cage.frequency).abs() <= tolerance
+    };
+    let near = |whirl: &Term| usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance && !is_driven(whirl);
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
 }
@@ -248,7 +261,7 @@ mod tests {
     }
 
     fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources {
-        LineSources { frequencies, cage_whirl: 0.0, spindle_whirl: 0.0, inner_defect: false }
+        LineSources { frequencies, cage_whirl: 0.0, spindle_whirl: 0.0, inner_defect: false, unequal_balls: false }
     }
 
     fn labelled(frequency: f64) -> String {
@@ -356,6 +369,23 @@ mod tests {
             assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
         }
         assert_eq!(label(6.0 * f.ball_pass_inner - 2.0 * f.shaft + 5.0, &defect, 1.0).0, "");
+    }
+
+    /// Without unequal balls, a sideband of the cage beside a high harmonic has no label.
+    #[test]
+    fn unequal_balls_have_sidebands_of_the_cage() {
+        let f = seven_balls();
+        let unequal = LineSources { unequal_balls: true, ..without_whirl(f) };
+        for (q, n, text) in [(6.0, -2.0, "6·BPFO − 2·FTF"), (7.0, 1.0, "7·BPFO + FTF")] {
+            let frequency = q * f.ball_pass_outer + n * f.cage;
+            assert_eq!(label(frequency, &unequal, 1.0).0, text);
+            assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
+        }
+        for (order, text) in [(1.0, "FTF"), (2.0, "2·FTF"), (3.0, "3·FTF"), (8.0, "BPFO + FTF")] {
+            assert_eq!(label(order * f.cage, &unequal, 1.0).0, text);
+            let whirling = LineSources { spindle_whirl: order * f.cage, ..unequal };
+            assert_eq!(label(order * f.cage, &whirling, 1.0).0, text, "the balls drive the spindle round");
+        }
     }
 
     #[test]

@@ -258,6 +258,7 @@ pub fn lines(
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
         inner_defect: scene.surfaces.raceway.inner.has_defects(),
+        unequal_balls: scene.has_unequal_balls(),
     };
     let of_channel = |spectra: &ChannelSpectra| {
         let spectrum = match kind {

@@ -187,11 +187,13 @@ pub fn ball_passage(scene: &Scene) -> f64 {
     TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
 }
 
-/// Recorded time that represents a motion at constant speed [s]: 20 ball passages, at least 0.1 s and at most 1 s; 0.1 s at rest.
+/// Recorded time that represents a motion at constant speed [s]: 20 ball passages, at least 0.1 s and at most 1 s; 0.1 s at rest. At least a turn
+/// of the cage whose balls differ.
 pub fn representative_time(scene: &Scene) -> f64 {
     let [least, most] = REPRESENTATIVE_RANGE_S;
     let time = REPRESENTATIVE_PASSAGES * ball_passage(scene);
-    if time.is_finite() { time.clamp(least, most) } else { least }
+    let passages = if time.is_finite() { time.clamp(least, most) } else { least };
+    passages.max(turn_of_unequal_balls(scene))
 }
 
 /// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft that carries a defect through the load.
@@ -208,7 +210,7 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
     let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
-    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene));
+    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene)).max(turn_of_unequal_balls(scene));
     (passage.max(settle), (WINDOW_PASSAGES * passage).max(window))
 }
 
@@ -216,6 +218,12 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
 /// repeat with each ball passage.
 fn turn_of_inner_waves(scene: &Scene) -> f64 {
     if scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() }
+}
+
+/// Time in which every ball has passed the load, a turn of the cage [s]; 0 where all balls are alike and equally spaced.
+pub fn turn_of_unequal_balls(scene: &Scene) -> f64 {
+    let turn = scene.bearing.parameters.ball_count as f64 * ball_passage(scene);
+    if scene.has_unequal_balls() && turn.is_finite() { turn } else { 0.0 }
 }
 
 /// Time that the richer model simulates to verify a reduced one [s].

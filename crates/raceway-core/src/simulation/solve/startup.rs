@@ -70,11 +70,13 @@ impl StaticSupport {
         let outputs = Outputs::vibration();
         let mut mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, &outputs, None).ok()?);
         let law = scene.raceway_damping.resolve();
-        // The balls orbit. Two positions are averaged: one ball below the load, and half a ball spacing further.
+        // The balls orbit. Positions are averaged: one ball below the load, and half a ball spacing further; so for each ball where they differ.
         let (mut damping, mut all_carry) = (Matrix3::zeros(), true);
-        let halfway = 0.5 * std::f64::consts::TAU / mechanism.layout.balls as f64;
-        for turned in [0.0, halfway] {
-            mechanism.start = mechanism.start.turned(turned);
+        let balls = mechanism.layout.balls;
+        let halfway = 0.5 * std::f64::consts::TAU / balls as f64;
+        let positions = if scene.has_unequal_balls() { 2 * balls } else { 2 };
+        for position in 0..positions {
+            mechanism.start = mechanism.start.turned(if position == 0 { 0.0 } else { halfway });
             let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
             let [x, y, z] = rest.spindle;
             for (ball, load) in rest.loads.iter().enumerate() {
@@ -82,8 +84,8 @@ impl StaticSupport {
                     all_carry = false;
                     continue;
                 }
-                // Two contacts in series have half of the damping of one. The other factor of 0.5 averages the two positions.
-                let both = 0.25 * (law.chi * load.inner + law.viscous);
+                // Two contacts in series have half of the damping of one.
+                let both = 0.5 / positions as f64 * (law.chi * load.inner + law.viscous);
                 let (cosine, sine) = (mechanism.start.cosine[ball], mechanism.start.sine[ball]);
                 let (axial, radial) = rest.balls[ball];
                 let radius = mechanism.pitch_radius + radial - (y * cosine + z * sine);

@@ -15,7 +15,7 @@ use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{PART, RATE, REPEATED, kept_values};
 use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run, without_signals};
-use crate::simulation::solve::eligibility::{longest_passage, representative_time};
+use crate::simulation::solve::eligibility::{longest_passage, representative_time, turn_of_unequal_balls};
 use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
 
 /// Tolerance of a repetition over that of the run [-].
@@ -137,7 +137,7 @@ pub(crate) fn by_refinement(
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = WINDOW_PASSAGES * longest_passage(scene);
     let window = if passages.is_finite() { passages.max(REPEATED) } else { REPEATED };
-    settings.duration.min(whole_parts(window))
+    settings.duration.min(whole_parts(window.max(turn_of_unequal_balls(scene))))
 }
 
 /// The time of whole parts [s], at least the given one: the means of a part that is cut short are not those of the run.

@@ -54,9 +54,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             pitch_radius: mechanism.pitch_radius,
             orbit_ratio: mechanism.orbit_ratio,
             spin_ratio: mechanism.spin_ratio,
-            mass: mechanism.ball_mass,
-            inertia: mechanism.ball_inertia,
-            weight: mechanism.ball_mass * mechanism.gravity,
+            gravity: mechanism.gravity,
             axial_offset: mechanism.axial_offset,
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
         };
@@ -155,6 +153,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
+        let bodies = &m.bodies[first / LANES];
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
@@ -166,6 +165,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.motion.put(lane, motion);
         }
         self.turn_azimuths::<F>(&frames, &mut relative.inner);
+        if m.largest_oversize.is_some() {
+            (relative.inner.oversize, relative.outer.oversize) = (bodies.oversize, bodies.oversize);
+        }
         // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
@@ -218,7 +220,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 Wrench { force: [0.0, 0.0, drag_force[lane]], moment: scale(-churning_factor[lane], motion.spin) };
             let wrench = inner.and(Wrench { force, moment }).and(pocket).and(surroundings);
             balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
-            balls.rates.put(lane, one.rates(&state.at(lane), &motion, wrench, shaft));
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.at(lane), wrench, shaft));
         }
         if let Some(watch) = watch {
             for lane in 0..LANES.min(m.layout.balls - first) {
@@ -274,24 +276,33 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, motion);
             places.put(lane, place);
         }
+        if m.largest_oversize.is_some() {
+            relative.oversize = m.bodies[first / LANES].oversize;
+        }
         match slopes {
             None => m.pocket.loads(&relative, load),
             Some(slopes) => m.pocket.loads_and_slopes(&relative, load, slopes),
         }
     }
 
-    /// Loads of the inner raceway on the balls, and of the balls on the spindle.
+    /// Loads of the inner raceway on the balls from `first` on, and of the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner_part(&self, motion: &BallMotion<Lanes>, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
+    pub(super) fn inner_part(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        border: &Border,
+    ) -> (Wrench<Lanes>, Vector<Lanes>) {
         match self.tilted_axis {
-            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(motion, border, &axis),
-            _ => self.inner_part_in::<StraightFrame>(motion, border, &()),
+            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(first, motion, border, &axis),
+            _ => self.inner_part_in::<StraightFrame>(first, motion, border, &()),
         }
     }
 
     #[inline(always)]
     fn inner_part_in<F: ContactFrame>(
         &self,
+        first: usize,
         motion: &BallMotion<Lanes>,
         border: &Border,
         axis: &F::Axis,
@@ -305,6 +316,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             frames.put(lane, frame);
         }
         self.turn_azimuths::<F>(&frames, &mut relative);
+        if self.mechanism.largest_oversize.is_some() {
+            relative.oversize = self.mechanism.bodies[first / LANES].oversize;
+        }
         let mut load = RacewayLoad::<Lanes>::default();
         self.mechanism.raceway.inner.loads::<PLANAR>(&relative, &mut load, self.instructions);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
@@ -338,13 +352,18 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         parts
     }
 
-    /// Rates of the balls caused by an additional wrench.
+    /// Rates of the balls from `first` on caused by an additional wrench.
     #[inline(always)]
-    pub(super) fn ball_response(&self, motion: &BallMotion<Lanes>, wrench: &Wrench<Lanes>) -> BallState<Lanes> {
-        let one = self.one;
+    pub(super) fn ball_response(
+        &self,
+        first: usize,
+        motion: &BallMotion<Lanes>,
+        wrench: &Wrench<Lanes>,
+    ) -> BallState<Lanes> {
+        let (one, bodies) = (self.one, &self.mechanism.bodies[first / LANES]);
         let mut response = BallState::<Lanes>::default();
         for lane in 0..LANES {
-            response.put(lane, one.response(&motion.at(lane), wrench.at(lane)));
+            response.put(lane, one.response(&motion.at(lane), &bodies.at(lane), wrench.at(lane)));
         }
         response
     }

@@ -100,7 +100,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
             // Effects of cage and spindle, again with the undisplaced border first.
-            let inner = self.inner_part(&balls.motion, &at_rest).0;
+            let inner = self.inner_part(first, &balls.motion, &at_rest).0;
             let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
                 let mut reaction = balls.reaction;
@@ -109,7 +109,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                     (reaction.cage_force, reaction.cage_moment) = (force, moment);
                     (&pocket, wrench)
                 } else {
-                    let (wrench, on_spindle) = self.inner_part(&balls.motion, displaced);
+                    let (wrench, on_spindle) = self.inner_part(first, &balls.motion, displaced);
                     reaction.spindle = on_spindle;
                     (&inner, wrench)
                 };
@@ -118,7 +118,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 for lane in 0..LANES {
                     change.put(lane, is.at(lane).less(&was.at(lane)));
                 }
-                let response = self.ball_response(&balls.motion, &change);
+                let response = self.ball_response(first, &balls.motion, &change);
                 let per = 1.0 / of_border[column];
                 let (response, part) = (response.entries(PLANAR), jacobian.right.group_mut(group));
                 for row in 0..block {

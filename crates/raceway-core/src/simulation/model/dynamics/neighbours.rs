@@ -10,9 +10,9 @@ use crate::physics::frames::{add, subtract};
 use crate::physics::neighbour::{NeighbourContact, NeighbourLoad, NeighbourMotion};
 use crate::simulation::model::state::BallState;
 
-/// Load of the second ball on the first.
+/// Load of the second ball on the first; `oversize`: sum of their radii less twice the nominal one [m].
 #[inline(always)]
-fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion) -> NeighbourLoad {
+fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion, oversize: f64) -> NeighbourLoad {
     let place = |ball: &BallMotion| ball.azimuth.to_inertial([ball.axial, ball.radius, 0.0]);
     let velocity = |ball: &BallMotion| ball.azimuth.to_inertial(ball.velocity);
     let spin = |ball: &BallMotion| ball.azimuth.to_inertial(ball.spin);
@@ -20,6 +20,7 @@ fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion) -> 
         displacement: subtract(place(first), place(second)),
         velocity: subtract(velocity(first), velocity(second)),
         spin: add(spin(first), spin(second)),
+        oversize,
     })
 }
 
@@ -46,12 +47,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         for index in 0..if last == 1 { 1 } else { layout.balls } {
             let next_index = if index == last { 0 } else { index + 1 };
             let next = if index == last { first } else { self.ball_motion(y, next_index, shaft) };
-            let load = load(contact, &ball, &next);
+            let load = load(contact, &ball, &next, self.mechanism().sum_of_oversizes(index, next_index));
             if load.normal > 0.0 {
                 for (index, motion, side) in [(index, &ball, 1.0), (next_index, &next, -1.0)] {
                     let force = motion.azimuth.to_orbit(load.force).map(|force| side * force);
                     let moment = motion.azimuth.to_orbit(load.moment);
-                    let response = one.response(motion, Wrench { force, moment });
+                    let response = one.response(motion, &self.mechanism().body(index), Wrench { force, moment });
                     let rates = layout.ball(dy, index).combined(1.0, &response, 1.0);
                     layout.set_ball(dy, index, &rates);
                 }
@@ -75,16 +76,18 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let (balls, block) = (layout.balls, layout.ball_size());
         let motions: Vec<BallMotion> = (0..balls).map(|ball| self.ball_motion(y, ball, shaft)).collect();
         for ball in 0..balls {
+            let body = self.mechanism().body(ball);
             let (before, after) = ((ball + balls - 1) % balls, (ball + 1) % balls);
             let sides = if before == after { &[after][..] } else { &[before, after] };
             let loads = |motion: &BallMotion| {
                 let mut wrench = Wrench::default();
                 for &side in sides {
-                    let NeighbourLoad { force, moment, .. } = load(contact, motion, &motions[side]);
+                    let NeighbourLoad { force, moment, .. } =
+                        load(contact, motion, &motions[side], self.mechanism().sum_of_oversizes(ball, side));
                     let [force, moment] = [force, moment].map(|v| motion.azimuth.to_orbit(v));
                     wrench = wrench.and(Wrench { force, moment });
                 }
-                one.response(motion, wrench).entries(PLANAR)
+                one.response(motion, &body, wrench).entries(PLANAR)
             };
             let undisplaced = loads(&motions[ball]);
             let own = layout.ball(y, ball).entries(PLANAR);

@@ -3,7 +3,7 @@
 use super::border::{CagePose, Shaft};
 use super::contact_frame::ContactFrame;
 use super::forces::Wrench;
-use crate::physics::ball::{BallAcceleration, BallMotion};
+use crate::physics::ball::{BallAcceleration, BallBody, BallMotion};
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
@@ -17,9 +17,7 @@ pub(super) struct OneBall {
     pub pitch_radius: f64,
     pub orbit_ratio: f64,
     pub spin_ratio: f64,
-    pub mass: f64,
-    pub inertia: f64,
-    pub weight: f64,
+    pub gravity: f64,
     /// Axial displacement at which the spindle is held [m].
     pub axial_offset: f64,
     /// Centre of the first pocket, in the orbit frame of the cage.
@@ -55,6 +53,7 @@ impl OneBall {
             raceway_speed: 0.0,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
+            oversize: 0.0,
         }
     }
 
@@ -81,6 +80,7 @@ impl OneBall {
             raceway_speed: speed,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
+            oversize: 0.0,
         };
         (relative, frame)
     }
@@ -98,6 +98,7 @@ impl OneBall {
             displacement: subtract(place, pocket),
             velocity: subtract(relative, cross(spin, place)),
             spin: subtract(tilt.to_tilted(azimuth.to_inertial(motion.spin)), spin),
+            oversize: 0.0,
         };
         (motion, place)
     }
@@ -108,13 +109,14 @@ impl OneBall {
         &self,
         state: &BallState,
         motion: &BallMotion,
+        body: &BallBody,
         wrench: Wrench,
         (_, _, acceleration): Shaft,
     ) -> BallState {
         let Azimuth { cosine, sine } = motion.azimuth;
-        let force = add(wrench.force, [0.0, self.weight * cosine, -self.weight * sine]);
-        let BallAcceleration { axial, radial, azimuthal, spin } =
-            motion.acceleration(force, wrench.moment, self.mass, self.inertia);
+        let weight = body.mass * self.gravity;
+        let force = add(wrench.force, [0.0, weight * cosine, -weight * sine]);
+        let BallAcceleration { axial, radial, azimuthal, spin } = motion.acceleration(force, wrench.moment, body);
         BallState {
             axial: state.axial_velocity,
             radial: state.radial_velocity,
@@ -128,10 +130,9 @@ impl OneBall {
 
     /// Rates caused by force and moment alone.
     #[inline(always)]
-    pub(super) fn response(&self, motion: &BallMotion, wrench: Wrench) -> BallState {
+    pub(super) fn response(&self, motion: &BallMotion, body: &BallBody, wrench: Wrench) -> BallState {
         let still = BallMotion { orbit_speed: 0.0, ..*motion };
-        let BallAcceleration { axial, radial, azimuthal, spin } =
-            still.acceleration(wrench.force, wrench.moment, self.mass, self.inertia);
+        let BallAcceleration { axial, radial, azimuthal, spin } = still.acceleration(wrench.force, wrench.moment, body);
         BallState {
             axial_velocity: axial,
             radial_velocity: radial,

@@ -251,7 +251,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
                     balls.rates.put(lane, balls.rates.at(lane).combined(1.0, &caused.at(lane), 1.0));
                 }
             }
-            dynamics.correct(&past, &predicted, balls, slopes, share, corrected);
+            dynamics.correct(first, &past, &predicted, balls, slopes, share, corrected);
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
             corrected.loads.put_into(&mut self.step_loads, group);
             balls.reaction.sum_into(&mut sum, layout.balls - first);

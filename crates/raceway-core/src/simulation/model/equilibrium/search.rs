@@ -99,8 +99,14 @@ impl<'a> Search<'a> {
         spindle
     }
 
-    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad].
-    fn touch(&self, contact: &RacewayContact, azimuth: f64, from_centre: Vector, axis: Vector) -> Touch {
+    /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `oversize`: its radius less the nominal one [m].
+    fn touch(
+        &self,
+        contact: &RacewayContact,
+        (azimuth, oversize): (f64, f64),
+        from_centre: Vector,
+        axis: Vector,
+    ) -> Touch {
         let axial = dot(from_centre, axis);
         let radial = subtract(from_centre, scale(axial, axis));
         let radius = dot(radial, radial).sqrt();
@@ -114,7 +120,7 @@ impl<'a> Search<'a> {
         } else {
             contact.penetration::<false>(axial, radius)
         };
-        let penetration = ideal + of.height;
+        let penetration = ideal + (of.height + oversize);
         let (load, stiffness) = contact.elastic_load(penetration);
         let mut towards = add(scale(a, axis), scale(r, radial));
         if of.along != 0.0 {
@@ -138,11 +144,11 @@ impl<'a> Search<'a> {
     fn touches(&self, place: &DVector<f64>, ball: usize) -> PerRaceway<Touch> {
         let m = self.mechanism;
         let at = [place[2 * ball], m.pitch_radius + place[2 * ball + 1], 0.0];
-        let (angle, azimuth) = (m.start.angle[ball], self.azimuths[ball]);
+        let (start, azimuth) = (m.start_and_oversize(ball), self.azimuths[ball]);
         let centre = azimuth.to_orbit(self.spindle(place));
         PerRaceway {
-            inner: self.touch(&m.raceway.inner, angle, subtract(at, centre), azimuth.to_orbit(self.axis)),
-            outer: self.touch(&m.raceway.outer, angle, at, [1.0, 0.0, 0.0]),
+            inner: self.touch(&m.raceway.inner, start, subtract(at, centre), azimuth.to_orbit(self.axis)),
+            outer: self.touch(&m.raceway.outer, start, at, [1.0, 0.0, 0.0]),
         }
     }
 
@@ -154,9 +160,9 @@ impl<'a> Search<'a> {
 
     /// Radial body force on a ball, weight and centrifugal force [N], and its slope [N/m].
     fn body_force(&self, ball: usize, radius: f64) -> (f64, f64) {
-        let m = self.mechanism;
-        let spring = m.ball_mass * self.orbit_speed * self.orbit_speed;
-        (m.ball_mass * m.gravity * self.azimuths[ball].cosine + spring * radius, spring)
+        let (m, mass) = (self.mechanism, self.mechanism.body(ball).mass);
+        let spring = mass * self.orbit_speed * self.orbit_speed;
+        (mass * m.gravity * self.azimuths[ball].cosine + spring * radius, spring)
     }
 
     fn energy(&self, place: &DVector<f64>) -> f64 {

@@ -12,6 +12,10 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::Defects
     } else if !scene.surfaces.raceway.inner.is_ideal() {
         Inapplicable::InnerWaves
+    } else if !scene.surfaces.balls.is_empty() {
+        Inapplicable::UnequalBalls
+    } else if !scene.pocket_deviations.is_empty() {
+        Inapplicable::UnevenPockets
     } else if !scene.operation.speed.is_constant() {
         Inapplicable::SpeedChanges
     } else if scene.operating_speed() == 0.0 {

@@ -207,6 +207,8 @@ pub(super) struct OneBall<T = f32> {
     pub per_mass: T,
     pub per_inertia: T,
     pub radius: T,
+    /// Radius less that of a nominal ball [m].
+    pub oversize: T,
     /// Square of the radius over the inertia [1/kg].
     pub turning: T,
     /// Mass times gravity [N].
@@ -231,6 +233,7 @@ side_by_side!(OneBall {
     per_mass,
     per_inertia,
     radius,
+    oversize,
     turning,
     weight,
     chi,
@@ -356,9 +359,9 @@ impl OneBall {
         BallInRaceways { normal: held.normal + damping * held.rate, damping: held.damping + damping, ..*held }
     }
 
-    /// Loads and slip of both contacts under the radial force of the pocket.
+    /// Loads and slip of both contacts under the radial force of the pocket. `WAVY`: raceways have heights, or balls differ.
     #[inline(always)]
-    pub(crate) fn raceway_loads(
+    pub(crate) fn raceway_loads<const WAVY: bool>(
         &self,
         drive: &Drive,
         ball: &BallState,
@@ -379,33 +382,44 @@ impl OneBall {
         let over_centre = radius * (1.0 + 0.5 * lean * lean);
         let relative = tangential * (1.0 - 0.5 * lean * lean) - held.across_velocity
             + lean * (held.radial_velocity - held.along_velocity);
+        let (inner_height, outer_height) = (spin - drive.speed, -spin);
+        let (mut inner_base, mut outer_base) = (drive.speed * over_centre - relative, -tangential);
+        if WAVY {
+            // Traction has the heights of nominal balls. A larger ball touches farther from its centre.
+            inner_base += self.oversize * inner_height;
+            outer_base += self.oversize * outer_height;
+        }
         RacewayLoads {
             inner: Contact {
                 load: inner,
                 axis_square: self.axis_square.inner * held.inner,
-                base: drive.speed * over_centre - relative,
-                per_height: spin - drive.speed,
+                base: inner_base,
+                per_height: inner_height,
             },
             outer: Contact {
                 load: outer,
                 axis_square: self.axis_square.outer * held.outer,
-                base: -tangential,
-                per_height: -spin,
+                base: outer_base,
+                per_height: outer_height,
             },
             slope: self.mass * share * share
                 + pressed(drive.place_share * held.stiffness + drive.velocity_share * held.damping),
         }
     }
 
-    /// The forces along both raceways with those of their heights, −h'/r of the load.
+    /// The forces along both raceways with those of their heights, −h'/r of the load, and the moments of traction on a ball of this size.
     #[inline(always)]
     pub(super) fn with_lean(
+        &self,
         held: &BallInRaceways,
         heights: &Heights<f32>,
         traction: &PerRaceway<Sums>,
     ) -> PerRaceway<Sums> {
-        let with =
-            |sums: &Sums, rise: &Rise<f32>, radius: f32| Sums { force: sums.force - rise.slope / radius, ..*sums };
+        let with = |sums: &Sums, rise: &Rise<f32>, radius: f32| Sums {
+            force: sums.force - rise.slope / radius,
+            moment: sums.moment + self.oversize * sums.force,
+            ..*sums
+        };
         PerRaceway {
             inner: with(&traction.inner, &heights.inner, held.radius - held.along),
             outer: with(&traction.outer, &heights.outer, held.radius),

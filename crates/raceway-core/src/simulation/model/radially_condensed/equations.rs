@@ -5,7 +5,8 @@ use super::ball::{Balls, LubricantDrag, OneBall};
 use super::border::Border;
 use super::pocket::Film;
 use super::traction::{RacewayTraction, RisingTraction, WIDEST, WideTraction};
-use crate::numerics::lanes::{InstructionSet, LANES, Lanes, Singles, alike};
+use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Singles};
+use crate::physics::ball::BallBody;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::PocketFilm;
 use crate::physics::contact::traction::{TractionLaw, four_parameters};
@@ -27,7 +28,7 @@ use crate::simulation::model::terms::ActiveTerms;
 /// Largest load over the largest static one up to which a contact has to be narrow [-].
 const LOAD_MARGIN: f64 = 1.5;
 
-/// Constants of ball and film, copied for eight balls side by side.
+/// Constants of ball and film for eight balls side by side.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Alike {
     pub(super) ball: OneBall<Singles>,
@@ -47,8 +48,8 @@ pub struct RadiallyCondensed {
     pub(super) contact: CondensedContact,
     pub(super) one: OneBall,
     pub(super) film: Film,
-    /// Constants side by side.
-    pub(super) all: Box<Alike>,
+    /// Constants side by side: of each group of eight balls, or once where all balls are alike.
+    all: Vec<Alike>,
     pub(super) traction: PerRaceway<RacewayTraction>,
     /// Whether the film alone acts on a ball between the walls of its pocket.
     pub(super) plain_pocket: bool,
@@ -56,6 +57,8 @@ pub struct RadiallyCondensed {
     pub(super) is_plain: bool,
     /// `None`: both raceways are ideal circles.
     pub(super) waves: Option<Waves>,
+    /// Whether raceways are ideal circles and all balls are alike.
+    pub(super) is_even: bool,
     /// Constant speed [rad/s] with the values that depend on it; `None` where the speed changes.
     pub(super) constant: Option<(f64, (LubricantDrag, f32))>,
     /// Whether an output shows the motion of the cage.
@@ -132,35 +135,56 @@ impl RadiallyCondensed {
         let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
         // Radial position of a ball that touches the outer raceway without load, less the pitch radius.
         let lift = 0.25 * scene.bearing.radial_clearance;
-        let nominal = (m.pitch_radius + lift) as f32;
-        let (mass, inertia) = (m.ball_mass as f32, m.ball_inertia as f32);
-        let (pitch_radius, radius) = (m.pitch_radius as f32, (0.5 * scene.bearing.parameters.ball_diameter) as f32);
-        let one = OneBall {
-            contact: contact.single(),
-            pitch_radius,
-            per_pitch_radius: 1.0 / pitch_radius,
-            nominal,
-            per_nominal: 1.0 / nominal,
-            lift: lift as f32,
-            clearance: (0.5 * scene.bearing.radial_clearance) as f32,
-            orbit_ratio: m.orbit_ratio as f32,
-            spin_ratio: m.spin_ratio as f32,
-            mass,
-            per_mass: 1.0 / mass,
-            per_inertia: 1.0 / inertia,
-            radius,
-            turning: radius * radius * (1.0 / inertia),
-            weight: (m.ball_mass * m.gravity) as f32,
-            chi: damping.chi as f32,
-            viscous: damping.viscous as f32,
-            axis_square: m.raceway.map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
+        let pitch_radius = m.pitch_radius as f32;
+        let single = contact.single();
+        let of_body = |body: &BallBody| {
+            let (mass, inertia, radius) =
+                (body.mass as f32, body.inertia as f32, (m.ball_radius + body.oversize) as f32);
+            let lift = lift - body.oversize;
+            let nominal = (m.pitch_radius + lift) as f32;
+            OneBall {
+                contact: single,
+                pitch_radius,
+                per_pitch_radius: 1.0 / pitch_radius,
+                nominal,
+                per_nominal: 1.0 / nominal,
+                lift: lift as f32,
+                clearance: (0.5 * scene.bearing.radial_clearance - 2.0 * body.oversize) as f32,
+                orbit_ratio: m.orbit_ratio as f32,
+                spin_ratio: m.spin_ratio as f32,
+                mass,
+                per_mass: 1.0 / mass,
+                per_inertia: 1.0 / inertia,
+                radius,
+                oversize: body.oversize as f32,
+                turning: radius * radius * (1.0 / inertia),
+                weight: (body.mass * m.gravity) as f32,
+                chi: damping.chi as f32,
+                viscous: damping.viscous as f32,
+                axis_square: m
+                    .raceway
+                    .map(|contact| contact.hertz().semi_axes(contact.hertz().stiffness).0.powi(2) as f32),
+            }
         };
-        let film = Film {
+        let in_pocket = |body: &BallBody| Film {
             stiffness: m.pocket.film_stiffness() as f32,
             damping: if needs.pocket.film { film_damping as f32 } else { 0.0 },
-            clearance: m.pocket.clearance() as f32,
+            clearance: (m.pocket.clearance() - body.oversize) as f32,
             pitch_radius,
         };
+        let side_by_side = |bodies: &BallBody<Lanes>| {
+            let mut all = Alike { ball: OneBall::default(), film: Film::default() };
+            for lane in 0..LANES {
+                all.ball.put(lane, of_body(&bodies.at(lane)));
+                all.film.put(lane, in_pocket(&bodies.at(lane)));
+            }
+            all
+        };
+        let groups = if m.has_equal_balls() { 1 } else { m.bodies.len() };
+        let all: Vec<Alike> = m.bodies.iter().take(groups).map(side_by_side).collect();
+        let nominal = BallBody::new(&scene.bearing, 0.0);
+        let (one, film) = (of_body(&nominal), in_pocket(&nominal));
+        let waves = Waves::of(&surfaced);
         let mut model = Self {
             start: (0..balls)
                 .step_by(LANES)
@@ -175,12 +199,13 @@ impl RadiallyCondensed {
                 .collect(),
             one,
             film,
-            all: Box::new(Alike { ball: alike(one), film: alike(film) }),
+            all,
             contact,
             traction: m.raceway.map(|contact| traction(scene, &needs, contact, LOAD_MARGIN * largest)),
             plain_pocket: !needs.pocket.hydrodynamics,
             is_plain: needs.cage && !needs.pocket.hydrodynamics && damping.viscous == 0.0,
-            waves: Waves::of(&surfaced),
+            is_even: waves.is_none() && m.has_equal_balls(),
+            waves,
             constant: None,
             shows_cage: outputs.spectra.iter().chain(&outputs.series).any(shows_cage),
             rest: [rest.spindle[1], rest.spindle[2]],
@@ -250,6 +275,12 @@ impl RadiallyCondensed {
 
     pub fn needs(&self) -> &ActiveTerms {
         &self.needs
+    }
+
+    /// Constants of the balls of a group.
+    #[inline(always)]
+    pub(super) fn all(&self, group: usize) -> &Alike {
+        &self.all[group.min(self.all.len() - 1)]
     }
 
     /// Number of groups of eight balls.

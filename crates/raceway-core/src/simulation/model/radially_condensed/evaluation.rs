@@ -1,7 +1,7 @@
 //! Rates of all balls, of cage and spindle at one time: the formulas of one ball run over eight side by side.
 
 use super::ball::{
-    BallInRaceways, BallRates, Balls, Drive, OneBall, PocketReaction, RacewayLoads, SpindleReaction, small_azimuth,
+    BallInRaceways, BallRates, Balls, Drive, PocketReaction, RacewayLoads, SpindleReaction, small_azimuth,
     spindle_reaction,
 };
 use super::border::Border;
@@ -88,13 +88,14 @@ impl RadiallyCondensed {
         rates: &mut Rates,
         scratch: &mut Scratch,
     ) -> (f64, f64, f64) {
-        match &self.waves {
-            None => self.rates_on::<false>(time, balls, border, spindle_acceleration, shares, rates, scratch),
-            Some(_) => on_waves(self, time, balls, border, spindle_acceleration, shares, rates, scratch),
+        if self.is_even {
+            self.rates_on::<false>(time, balls, border, spindle_acceleration, shares, rates, scratch)
+        } else {
+            on_waves(self, time, balls, border, spindle_acceleration, shares, rates, scratch)
         }
     }
 
-    /// `WAVY`: raceways have heights.
+    /// `WAVY`: raceways have heights, or balls differ.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn rates_on<const WAVY: bool>(
@@ -181,7 +182,7 @@ impl RadiallyCondensed {
         }
         let cage = self.mechanism.layout.cage;
         // Local copies, which no store in the loops can change.
-        let (one, all, start, present) = (self.one, &*self.all, self.start[group], self.present[group]);
+        let (one, all, start, present) = (self.one, self.all(group), self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
         let (mut ahead, mut held) = (Azimuth::<Singles>::default(), BallInRaceways::<Singles>::default());
         if cage {
@@ -208,12 +209,14 @@ impl RadiallyCondensed {
         if cage {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * one.per_pitch_radius;
             let displaced = self.film.displaced(&border, cage_spin, &held);
-            if self.plain_pocket && self.film.reaches(&displaced) {
+            if self.plain_pocket && all.film.reaches(&displaced) {
                 pushed = self.film.film_reaction(&held, &displaced, &present, drive.velocity_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
-                let loads = ByWall { pocket, spins: &spins, displaced: &displaced, instructions: self.instructions };
+                let oversize = &all.ball.oversize;
+                let instructions = self.instructions;
+                let loads = ByWall { pocket, spins: &spins, displaced: &displaced, oversize, instructions };
                 pushed = self.film.wall_reaction(&loads, &held, &present, drive.velocity_share);
             }
         }
@@ -221,7 +224,7 @@ impl RadiallyCondensed {
         for lane in 0..LANES {
             loaded.put(
                 lane,
-                all.ball.at(lane).raceway_loads(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]),
+                all.ball.at(lane).raceway_loads::<WAVY>(&drive, &balls.at(lane), &held.at(lane), pushed.radial[lane]),
             );
         }
         let inner = match &self.traction.inner {
@@ -243,7 +246,7 @@ impl RadiallyCondensed {
             let (held, loaded) = (held.at(lane), loaded.at(lane));
             let mut traction = PerRaceway { inner: inner.at(lane), outer: outer.at(lane) };
             if WAVY {
-                traction = OneBall::with_lean(&held, &heights.at(lane), &traction);
+                traction = all.ball.at(lane).with_lean(&held, &heights.at(lane), &traction);
             }
             rates_now.put(
                 lane,
@@ -273,7 +276,7 @@ impl RadiallyCondensed {
         heights: &Heights<Singles>,
         laws: PerRaceway<&RisingTraction>,
     ) -> Option<Plain> {
-        let (all, start, present) = (&*self.all, self.start[group], self.present[group]);
+        let (all, start, present) = (self.all(group), self.start[group], self.present[group]);
         let (drive, balls, cage_arc, border) = (*drive, *balls, border.cage_arc, border.single());
         let cage_spin = self.one.orbit_ratio * drive.speed + border.cage_velocity[2] * self.one.per_pitch_radius;
         let past = balls.past_pockets(cage_arc);
@@ -285,12 +288,12 @@ impl RadiallyCondensed {
             let held = one.in_raceways::<WAVY>(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball, &height);
             let displaced = film.displacement_of_one(&border, cage_spin, &held);
             let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.velocity_share);
-            let loaded = one.raceway_loads(&drive, &ball, &held, pushed.radial);
+            let loaded = one.raceway_loads::<WAVY>(&drive, &ball, &held, pushed.radial);
             let (inner, slips) = laws.inner.all.at(lane).fitted(&loaded.inner);
             let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
             let mut traction = PerRaceway { inner, outer };
             if WAVY {
-                traction = OneBall::with_lean(&held, &height, &traction);
+                traction = one.with_lean(&held, &height, &traction);
             }
             found.rates.put(lane, one.rates(&drive, &ball, &held, &loaded, &pushed, &traction));
             found.passed.put(lane, spindle_reaction(&held, &loaded, &traction.inner, present[lane]));
@@ -491,7 +494,7 @@ mod tests {
             ..RacewaySurface::default()
         };
         let raceway = PerRaceway { inner: surface(9, 0.7), outer: surface(20, -1.0) };
-        scene.surfaces = Surfaces { raceway, seed: 1 };
+        scene.surfaces = Surfaces { raceway, ..Surfaces::default() };
         let model = RadiallyCondensed::new(&scene, &Outputs::vibration()).unwrap();
         let m = &model.mechanism;
         let waves = model.waves.as_ref().unwrap();

@@ -146,12 +146,6 @@ impl Film {
         displaced
     }
 
-    /// Returns whether every ball is off the wall of its pocket.
-    #[inline(always)]
-    pub(super) fn reaches(&self, displaced: &PocketDisplacement<Singles>) -> bool {
-        (0..LANES).all(|lane| self.beyond(&displaced.at(lane)) <= 0.0)
-    }
-
     /// Loads of pockets whose film alone acts.
     #[inline(always)]
     pub(crate) fn film_reaction(
@@ -201,7 +195,17 @@ pub(super) struct ByWall<'a> {
     pub pocket: &'a Pocket,
     pub spins: &'a Singles,
     pub displaced: &'a PocketDisplacement<Singles>,
+    /// Radii of the balls less the nominal one [m].
+    pub oversize: &'a Singles,
     pub instructions: InstructionSet,
+}
+
+impl Film<Singles> {
+    /// Returns whether every ball is off the wall of its pocket.
+    #[inline(always)]
+    pub(super) fn reaches(&self, displaced: &PocketDisplacement<Singles>) -> bool {
+        (0..LANES).all(|lane| self.at(lane).beyond(&displaced.at(lane)) <= 0.0)
+    }
 }
 
 impl ByWall<'_> {
@@ -214,6 +218,7 @@ impl ByWall<'_> {
                 displacement: double(at.displacement),
                 velocity: double(at.velocity),
                 spin: [self.spins[lane].into(), 0.0, 0.0],
+                oversize: self.oversize[lane].into(),
             };
             motion.put(lane, one);
         }

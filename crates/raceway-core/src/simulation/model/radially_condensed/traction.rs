@@ -337,6 +337,8 @@ impl General<'_> {
                 raceway_speed: self.raceway_speed,
                 orbit_speed: orbit[lane].into(),
                 azimuth: 0.0,
+                // The slip of `contact` contains the size of the ball.
+                oversize: 0.0,
             };
             motion.put(lane, one);
         }

@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::numerics::angle::sin_cos;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger};
 use crate::numerics::ode::adams_moulton::{Defect, EquationsOfMotion, Motion, Shares};
 use crate::physics::bearing::PerRaceway;
@@ -51,8 +52,11 @@ pub(crate) struct SpindleOnly {
     constant: Option<f64>,
     /// Orbit speed of cage and balls over spindle speed [-].
     orbit_ratio: f64,
-    /// Azimuth from one ball to the next [rad], and its reciprocal.
-    spacing: (f64, f64),
+    /// Angle after which the balls are where others were [rad], and its reciprocal: that from one ball to the next where all are alike and
+    /// equally spaced, else a turn.
+    repeats: (f64, f64),
+    /// Whether raceways are ideal circles and all balls are alike.
+    is_even: bool,
     balls: usize,
     first: Group,
     others: Vec<Group>,
@@ -88,6 +92,8 @@ struct Group {
     sine: Lanes,
     /// Azimuths in front of the first ball [rad].
     azimuth: Lanes,
+    /// Diameters less the nominal one [m].
+    oversize: Lanes,
 }
 
 /// Prescribed motion at one time: orbit speed [rad/s], direction of the first pocket, and applied force [N]. Only wavy raceways ask for
@@ -127,10 +133,12 @@ impl SpindleOnly {
                     cosine: of(&|ball| m.start_azimuth(ball).cos()),
                     sine: of(&|ball| m.start_azimuth(ball).sin()),
                     azimuth: of(&|ball| m.start_azimuth(ball)),
+                    oversize: of(&|ball| 2.0 * m.body(ball).oversize),
                 }
             })
             .collect();
         let on = |on: bool, value: f64| if on { value } else { 0.0 };
+        let (waves, is_alike) = (Waves::of(m), m.has_equal_balls() && m.start.are_even());
         Self {
             constant: m.speed.is_constant().then(|| m.speed.at(0.0).1),
             speed: m.speed.clone(),
@@ -142,7 +150,8 @@ impl SpindleOnly {
             mass_of_ball: m.ball_mass,
             orbit_radius,
             orbit_ratio,
-            spacing: (TAU / balls as f64, balls as f64 / TAU),
+            repeats: if is_alike { (TAU / balls as f64, balls as f64 / TAU) } else { (TAU, 1.0 / TAU) },
+            is_even: waves.is_none() && m.has_equal_balls(),
             centred: centred.inner + centred.outer,
             curvature: on(corrections.tilt, 1.0 / orbit_radius),
             damping: on(corrections.damping, damping),
@@ -153,7 +162,7 @@ impl SpindleOnly {
             rolling_approach: (ROLLING_LOAD / m.raceway.inner.hertz().stiffness).powf(2.0 / 3.0),
             unbalance: m.unbalance,
             force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
-            waves: Waves::of(m),
+            waves,
             longest_step: m.longest_wave_step(),
         }
     }
@@ -189,7 +198,8 @@ impl SpindleOnly {
             for group in std::iter::once(&self.first).chain(&self.others) {
                 for lane in 0..LANES {
                     let (c, s) = (group.cosine[lane], group.sine[lane]);
-                    let load = self.contact.load(self.centred + place[0] * c + place[1] * s, &self.unloaded);
+                    let centred = self.centred + group.oversize[lane];
+                    let load = self.contact.load(centred + place[0] * c + place[1] * s, &self.unloaded);
                     let (load, k) = (load.load, load.stiffness);
                     force = [force[0] - load * c, force[1] - load * s];
                     stiffness = [stiffness[0] + k * c * c, stiffness[1] + k * c * s, stiffness[2] + k * s * s];
@@ -225,8 +235,14 @@ impl SpindleOnly {
                 azimuths[lane] = self.first_ball(&turnings[lane]);
             }
             let (mut sines, mut cosines) = (Lanes::<LANES>::default(), Lanes::<LANES>::default());
-            for lane in 0..LANES {
-                (sines[lane], cosines[lane]) = sine_cosine(azimuths[lane]);
+            if self.repeats.0 < TAU {
+                for lane in 0..LANES {
+                    (sines[lane], cosines[lane]) = sine_cosine(azimuths[lane]);
+                }
+            } else {
+                for lane in 0..LANES {
+                    (sines[lane], cosines[lane]) = sin_cos(azimuths[lane]);
+                }
             }
             for (lane, drive) in drives.iter_mut().enumerate() {
                 *drive = self.driven(&turnings[lane], azimuths[lane], (sines[lane], cosines[lane]));
@@ -243,11 +259,17 @@ impl SpindleOnly {
         }
     }
 
-    /// Azimuth of the ball nearest to azimuth 0, which can replace the first because all balls are alike.
+    /// Azimuth of the first ball, or of the one nearest to azimuth 0 that can replace it because all balls are alike.
     #[inline(always)]
     fn first_ball(&self, (angle, _, _): &(f64, f64, f64)) -> f64 {
         let turned = self.orbit_ratio * angle;
-        turned - (turned * self.spacing.1).round_ties_even() * self.spacing.0
+        turned - (turned * self.repeats.1).round_ties_even() * self.repeats.0
+    }
+
+    /// Sine and cosine of the azimuth of the first ball.
+    #[inline(always)]
+    fn direction(&self, first: f64) -> (f64, f64) {
+        if self.repeats.0 < TAU { sine_cosine(first) } else { sin_cos(first) }
     }
 
     #[inline(always)]
@@ -265,7 +287,7 @@ impl SpindleOnly {
         Driven { orbit: self.orbit_ratio * speed, cosine, sine, force, first, shaft: (angle, speed) }
     }
 
-    /// Contribution of a group of balls to the residual. `WAVY`: raceways have heights.
+    /// Contribution of a group of balls to the residual. `WAVY`: raceways have heights, or balls differ.
     #[inline(always)]
     // The loop is over lane numbers, because five results and two columns have no common iterator.
     #[allow(clippy::needless_range_loop)]
@@ -295,7 +317,7 @@ impl SpindleOnly {
                 let turning = self.curvature * (speed * radial - tangential_velocity);
                 let speeds = PerRaceway { inner: speed + turning - driven.shaft.1, outer: speed };
                 raised = heights.at(lane).lifts(speeds);
-                approach += raised.inner.height + raised.outer.height;
+                approach += raised.inner.height + raised.outer.height + group.oversize[lane];
                 rate += raised.inner.rate + raised.outer.rate;
             }
             let load = contact.load(approach, &unloaded);
@@ -340,7 +362,7 @@ impl SpindleOnly {
 /// The equations on wavy raceways, compiled for each instruction set.
 struct OnWaves<'a> {
     model: &'a SpindleOnly,
-    waves: &'a Waves,
+    waves: Option<&'a Waves>,
     driven: Driven,
     motion: SpindleMotion,
     acceleration: [f64; 2],
@@ -351,6 +373,7 @@ impl OnWaves<'_> {
     /// Heights under a group of balls. Azimuths are those on the rings, about each ring's axis: an inner one turns with the spindle.
     #[inline(always)]
     fn heights(&self, group: &Group) -> Heights<Lanes> {
+        let Some(waves) = self.waves else { return Heights::default() };
         let (driven, ([y, z], _)) = (&self.driven, self.motion);
         let mut azimuth = PerRaceway::<Lanes>::default();
         for lane in 0..LANES {
@@ -359,7 +382,7 @@ impl OnWaves<'_> {
             let (tilt, on_outer) = (self.model.curvature * (z * c - y * s), driven.first + group.azimuth[lane]);
             azimuth.put(lane, PerRaceway { inner: on_outer - tilt - driven.shaft.0, outer: on_outer });
         }
-        self.waves.at(&azimuth)
+        waves.at(&azimuth)
     }
 }
 
@@ -394,7 +417,7 @@ impl EquationsOfMotion for SpindleOnly {
     fn drive(&self, time: f64) -> Driven {
         let turning = self.turning(time);
         let first = self.first_ball(&turning);
-        self.driven(&turning, first, sine_cosine(first))
+        self.driven(&turning, first, self.direction(first))
     }
 
     /// Residual of the spindle's equations. Its slope includes that of elastic loads over the approach and of damping over its rate.
@@ -403,7 +426,8 @@ impl EquationsOfMotion for SpindleOnly {
         let [ay, az] = acceleration;
         let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
         let slope = [self.mass, 0.0, self.mass];
-        if let Some(waves) = &self.waves {
+        if !self.is_even {
+            let waves = self.waves.as_ref();
             let on = OnWaves { model: self, waves, driven: *driven, motion: *motion, acceleration, shares };
             return Defect { force, slope }.and(&self.on_waves(on));
         }

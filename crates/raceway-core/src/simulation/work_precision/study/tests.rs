@@ -7,7 +7,7 @@ use crate::physics::examples::{article_bearing, article_cage, article_lubricant}
 use crate::physics::lubricant::{Lubricant, LubricantKind};
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
-use crate::physics::surface::waviness::Surfaces;
+use crate::physics::surface::waviness::SurfaceParameters;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{SceneParameters, Terms};
 use crate::simulation::model::terms::ActiveTerms;
@@ -28,7 +28,8 @@ fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
         lubricant: Lubricant { kind, ..article_lubricant() },
         raceway_damping: DampingLaw::Restitution { restitution: 0.85, at_speed: 0.1 },
         terms: Terms::default(),
-        surfaces: Surfaces::default(),
+        surfaces: SurfaceParameters::default(),
+        pocket_deviations: Vec::new(),
         gravity: 9.81,
     })
     .unwrap()

@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side};
+use crate::physics::ball::BallBody;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
@@ -158,10 +159,11 @@ impl Resistance {
 }
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
-    /// Balls at the end of a step: one step of Newton from the predicted state.
+    /// Balls from `first` on at the end of a step: one step of Newton from the predicted state.
     #[inline(always)]
     pub(super) fn correct(
         &self,
+        first: usize,
         past: &BallState<Lanes>,
         predicted: &BallState<Lanes>,
         balls: &Balls,
@@ -170,8 +172,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         corrected: &mut Corrected,
     ) {
         let m = self.mechanism();
-        let (mass, inertia, radius) = (m.ball_mass, m.ball_inertia, m.ball_radius);
+        let (bodies, nominal) = (&m.bodies[first / LANES], m.ball_radius);
+        // Equal balls share one division.
+        let over_share = |of: fn(&BallBody) -> f64| match m.largest_oversize {
+            None => Lanes::<LANES>::all(of(&bodies.at(0)) / share),
+            Some(_) => Lanes(std::array::from_fn(|lane| of(&bodies.at(lane)) / share)),
+        };
+        let (mass_over_share, inertia_over_share) = (over_share(|body| body.mass), over_share(|body| body.inertia));
         for lane in 0..LANES {
+            let BallBody { oversize, mass, inertia, .. } = bodies.at(lane);
+            let radius = nominal + oversize;
             let (old, from, rates) = (past.at(lane), predicted.at(lane), balls.rates.at(lane));
             let PerRaceway { inner, outer } =
                 PerRaceway { inner: slopes.raceway.inner.at(lane), outer: slopes.raceway.outer.at(lane) };
@@ -180,10 +190,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let inner = Resistance::of(&inner, radius, share);
             let outer = Resistance::of(&outer, radius, share);
 
-            let (mut meridian, mut orbit) = (
-                [mass, 0.0, 0.0, mass, 0.0, inertia].map(|m| m / share),
-                [mass, 0.0, 0.0, inertia, 0.0, inertia].map(|m| m / share),
-            );
+            let (m, i) = (mass_over_share[lane], inertia_over_share[lane]);
+            let (mut meridian, mut orbit) = ([m, 0.0, 0.0, m, 0.0, i], [m, 0.0, 0.0, i, 0.0, i]);
             inner.add_to(&mut meridian, &mut orbit);
             outer.add_to(&mut meridian, &mut orbit);
             add_product(&mut meridian, pocket, [normal[0], normal[1], 0.0]);
