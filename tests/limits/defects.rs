@@ -233,7 +233,10 @@ fn flights_and_passages_of_a_spall_are_recorded() {
         let basis = settings(Method::SemiImplicit, 1e-5, [0.05, 0.1]);
         let outputs = Outputs { contacts: true, ..basis.outputs.clone() };
         let settings = RunSettings { fixed_step: Some(5e-6), rung: Some(rung), outputs, ..basis };
-        let result = simulate(&scene(&motor(surfaces)), &settings, &patient()).unwrap();
+        // The damping of the trends is so strong that no ball flies.
+        let mut motor = motor(surfaces);
+        motor.as_object_mut().unwrap().remove("damping");
+        let result = simulate(&scene(&motor), &settings, &patient()).unwrap();
         (
             result.summary.contacts.unwrap().raceway.map(|raceway| raceway.off),
             result.plot_data.impact,
