@@ -64,6 +64,8 @@ pub(crate) fn by_richer_model(
     if is_condensed {
         let finer = |settings: &RunSettings| finer_run(scene, settings, &stepped, control);
         let step_error = step_error_over_deviation(scene, &stepped)?;
+        // Largest loads and slips follow single moments, and show no order.
+        let by_steps = |of: Deviation| Deviation { levels: of.levels.map(|error| step_error * error), ..of };
         if is_uneven {
             let over = RunSettings { duration: represented, ..settings.clone() };
             let finer = or_failure(control.part((0.5, 0.75), |_| finer(&over)))?.ok().flatten();
@@ -72,15 +74,14 @@ pub(crate) fn by_richer_model(
                 true => of_beginning(&attempt.recording, finer, unseen),
                 false => Deviation::of_recordings(&attempt.recording, finer, unseen),
             };
-            let of = |finer: &Recording| of(finer).times(step_error);
+            let of = |finer: &Recording| by_steps(of(finer));
             course = finer.as_ref().map(|finer| of(finer).of_asked(&settings.outputs));
         } else {
-            if let Some(by_steps) = attempt.step_deviation {
-                deviation = deviation.larger(&by_steps.times(step_error));
+            if let Some(of_trial) = attempt.step_deviation {
+                deviation = deviation.larger(&by_steps(of_trial));
             } else if let Some(finer) = or_failure(finer(&short))?.ok().flatten() {
-                let by_steps =
-                    Deviation::of_recordings(&own, &finer, 0.0).times(step_error).of_asked(&settings.outputs);
-                deviation = deviation.larger(&by_steps);
+                let of_finer = by_steps(Deviation::of_recordings(&own, &finer, 0.0));
+                deviation = deviation.larger(&of_finer.of_asked(&settings.outputs));
             }
             deviation = along_the_run(deviation, &attempt.recording);
             // The settled run is compared in the same way, over a turn of the cage.
