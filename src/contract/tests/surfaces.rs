@@ -110,7 +110,7 @@ fn wrong_surfaces_are_refused() {
         (
             balls(json!({ "ball": 3, "defects": [{ "diameter_mm": 0.1, "depth_um": 1, "latitude_deg": 91 }] })),
             "balls/1/defects/0/latitude_deg",
-            "91: must be from -90 to 90°",
+            "91 °: must be from -90 to 90 °",
         ),
         (
             balls(json!({ "ball": 3, "defects": [{ "diameter_mm": 2.75, "depth_um": 1 }] })),
