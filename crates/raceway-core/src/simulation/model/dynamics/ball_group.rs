@@ -16,9 +16,8 @@ pub(super) struct Balls {
     pub motion: BallMotion<Lanes>,
     pub rates: BallState<Lanes>,
     pub reaction: Reaction<Lanes>,
-    /// Where balls have an attitude, it is an input.
-    pub attitude: BallAttitude<Lanes>,
-    pub attitude_rates: BallAttitude<Lanes>,
+    /// Attitudes, which are an input, and their rates; `None`: spheres have none.
+    pub attitude: Option<[BallAttitude<Lanes>; 2]>,
 }
 
 /// Slopes of the loads on balls side by side over their own motion, in their orbit frames.

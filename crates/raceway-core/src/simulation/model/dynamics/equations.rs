@@ -17,7 +17,7 @@ use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::input::channel::BallContact;
 use crate::simulation::model::mechanism::Mechanism;
-use crate::simulation::model::state::{BallState, CageState, Layout, SpindleState};
+use crate::simulation::model::state::{BallAttitude, BallState, CageState, Layout, SpindleState};
 
 /// Displacement over the size of an entry, for difference quotients: small against the indentation of a contact, large
 /// against rounding.
@@ -108,13 +108,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 state = layout.side_by_side::<PLANAR>(y, first);
             }
             if layout.attitude {
-                balls.attitude = layout.attitudes(y, first);
+                balls.attitude = Some([layout.attitudes(y, first), BallAttitude::default()]);
             }
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
-            if layout.attitude {
-                layout.set_attitudes(dy, first, &balls.attitude_rates);
+            if let Some([_, rates]) = &balls.attitude {
+                layout.set_attitudes(dy, first, rates);
             }
         }
         if let Some(contact) = &self.mechanism.neighbours {
@@ -177,9 +177,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         m.raceway.outer.place_in_groove(&mut relative.outer);
         m.raceway.inner.place_in_groove(&mut relative.inner);
-        let on_balls = m.layout.attitude.then(|| {
-            balls.attitude_rates = self.attitude_rates(state, &balls.attitude, shaft);
-            self.on_balls::<F>(first, &balls.attitude, &relative, &frames, shaft)
+        let on_balls = balls.attitude.as_mut().map(|[attitude, rates]| {
+            *rates = self.attitude_rates(state, attitude, shaft);
+            self.on_balls::<F>(first, attitude, &relative, &frames, shaft)
         });
         // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
@@ -330,7 +330,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.oversize = self.mechanism.bodies[first / LANES].oversize;
         }
         let mut load = RacewayLoad::<Lanes>::default();
-        let on_balls = self.mechanism.layout.attitude.then(|| {
+        let on_balls = attitude.as_ref().map(|[attitude, _]| {
             let poses = self.poses(first, attitude, shaft);
             self.on_balls_at_inner::<F>(first, &poses, &relative, &frames)
         });

@@ -67,15 +67,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let mut share: Lanes = Lanes::default();
             share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
-            let attitude = if layout.attitude { layout.attitudes(state, first) } else { BallAttitude::default() };
+            let attitude = layout.attitude.then(|| [layout.attitudes(state, first), BallAttitude::default()]);
             let (mut balls, mut moved) = (Balls::default(), Balls::default());
             // Undisplaced first, then by one entry after the other.
             for displaced in std::iter::once(None).chain((0..block).map(Some)) {
                 let mut entries = own.entries(PLANAR);
                 moved.attitude = attitude;
                 if let Some(column) = displaced {
-                    let entry =
-                        if column < motion { &mut entries[column] } else { &mut moved.attitude.0[column - motion] };
+                    let entry = match &mut moved.attitude {
+                        Some([attitude, _]) if column >= motion => &mut attitude.0[column - motion],
+                        _ => &mut entries[column],
+                    };
                     entry.0.iter_mut().for_each(|entry| *entry += of_ball[column]);
                 }
                 self.balls(first, &BallState::from_entries(entries, PLANAR), &at_rest, &mut moved, None, None);
@@ -92,8 +94,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                         part[row * block + column][lane] = share[lane] * ((after[row][lane] - before[row][lane]) * per);
                     }
                 }
+                let [after, before] =
+                    [moved.attitude, balls.attitude].map(|of| of.map_or(BallAttitude::default(), |[_, rates]| rates));
                 for row in motion..block {
-                    let (after, before) = (moved.attitude_rates.0[row - motion], balls.attitude_rates.0[row - motion]);
+                    let (after, before) = (after.0[row - motion], before.0[row - motion]);
                     for lane in 0..LANES {
                         part[row * block + column][lane] = share[lane] * ((after[lane] - before[lane]) * per);
                     }

@@ -255,7 +255,8 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             let (past, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
             let shafts = [dynamics.mechanism().speed.at(before_step), border.shaft];
             if let Some([attitude, _]) = now.attitudes.get(group) {
-                balls.attitude = dynamics.advanced_attitudes(attitude, [&now.balls[group], &predicted], shafts, h);
+                let advanced = dynamics.advanced_attitudes(attitude, [&now.balls[group], &predicted], shafts, h);
+                balls.attitude = Some([advanced, BallAttitude::default()]);
             }
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
             if neighbours.is_some() {
