@@ -341,7 +341,7 @@ impl<'m> Observer<'m> {
             if self.slips {
                 let loaded = LoadedBall {
                     orbit_radius: m.pitch_radius + state.radial,
-                    ball_radius: m.ball_radius + m.body(ball).oversize,
+                    ball_radius: m.ball_radius + m.start_and_oversize(ball).1,
                     angle: self.snapshot.angle[ball],
                 };
                 let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
