@@ -52,6 +52,8 @@ const CAGE_SIDEBANDS: i32 = 3;
 const INNER: &str = "BPFI";
 /// Label of the spin of a ball.
 const BALL: &str = "BSF";
+/// Label of the rotation of the cage.
+const CAGE: &str = "FTF";
 const OUTER: &str = "BPFO";
 /// Labels of whirl.
 const CAGE_WHIRL: &str = "cage whirl";
@@ -72,6 +74,8 @@ pub(crate) struct LineSources {
     pub spindle_whirl: f64,
     /// The inner raceway has a defect. It turns through the load, so that its lines have several sidebands of the shaft.
     pub inner_defect: bool,
+    /// A raceway has waves or defects.
+    pub uneven_raceways: bool,
     /// A ball has odd orders of its spin, too: it has a defect, which the raceways feel differently, or waves that others do not have.
     pub odd_ball_orders: bool,
     /// Balls or pockets differ. Their pattern turns with the cage, so that its sidebands stand beside every ball passage.
@@ -186,7 +190,7 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1 };
     let all = &sources.frequencies;
     let shaft = term("f_r", all.shaft, 1.0);
-    let cage = term("FTF", all.cage, 1.6);
+    let cage = term(CAGE, all.cage, 1.6);
     let outer = term(OUTER, all.ball_pass_outer, 1.0);
     let inner = term(INNER, all.ball_pass_inner, 1.1);
     let any_ball = term(BALL, all.ball_spin, 1.3);
@@ -232,13 +236,16 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
             && order <= HIGHEST_CAGE_ORDER
             && (whirl.frequency - order * cage.frequency).abs() <= tolerance
     };
-    // So does an uneven ball.
+    // So do uneven balls, and uneven raceways at any combination of shaft and ball passages.
     let at = |of: &[Term; 3]| of.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
-    let is_of_ball = |of: &[Term; 3]| of[0].name == BALL && (frequency - at(of)).abs() <= GOOD_FIT * tolerance;
-    let rolls = found.iter().any(is_of_ball);
+    let is_of_surface = |of: &[Term; 3]| {
+        let of_raceway = sources.uneven_raceways && of.iter().all(|term| term.name != CAGE || term.order == 0);
+        (of[0].name == BALL || of_raceway) && (frequency - at(of)).abs() <= GOOD_FIT * tolerance
+    };
+    let surfaces_drive = found.iter().any(is_of_surface);
     let near = |whirl: &Term| {
         let is_near = usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
-        is_near && !is_driven(whirl) && !(rolls && whirl.name == SPINDLE_WHIRL)
+        is_near && !is_driven(whirl) && !(surfaces_drive && whirl.name == SPINDLE_WHIRL)
     };
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
@@ -289,6 +296,7 @@ mod tests {
             cage_whirl: 0.0,
             spindle_whirl: 0.0,
             inner_defect: false,
+            uneven_raceways: false,
             odd_ball_orders: false,
             unequal_balls: false,
         }
@@ -399,6 +407,22 @@ mod tests {
             assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
         }
         assert_eq!(label(6.0 * f.ball_pass_inner - 2.0 * f.shaft + 5.0, &defect, 1.0).0, "");
+    }
+
+    /// Waves of orders next to a multiple of the number of balls move the spindle round in a circle, and ovality nearly does under a light load.
+    #[test]
+    fn waves_of_raceways_drive_the_spindle_round() {
+        let f = seven_balls();
+        for (text, frequency) in [
+            ("2·BPFO", 2.0 * f.ball_pass_outer),
+            ("BPFI + f_r", f.ball_pass_inner + f.shaft),
+            ("2·BPFI − f_r", 2.0 * f.ball_pass_inner - f.shaft),
+            ("2·f_r", 2.0 * f.shaft),
+        ] {
+            let ideal = LineSources { spindle_whirl: frequency, ..without_whirl(f) };
+            assert_eq!(label(frequency, &ideal, 1.0).0, "spindle whirl");
+            assert_eq!(label(frequency, &LineSources { uneven_raceways: true, ..ideal }, 1.0).0, text);
+        }
     }
 
     /// Waves alike on all balls have even orders, a defect of one ball all of them.

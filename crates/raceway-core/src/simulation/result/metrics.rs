@@ -258,6 +258,7 @@ pub fn lines(
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
         inner_defect: scene.surfaces.raceway.inner.has_defects(),
+        uneven_raceways: !(scene.surfaces.raceway.inner.is_ideal() && scene.surfaces.raceway.outer.is_ideal()),
         odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
         unequal_balls: scene.has_unequal_balls(),
     };
