@@ -29,7 +29,7 @@ const LEAST_SHARE: f64 = 1e-3;
 
 /// A label may be off by this many bins …
 const TOLERANCE_BINS: f64 = 0.5;
-/// … plus this share of the frequency, the uncertainty of the mean slip of a run.
+/// … plus this share of the terms that turn with the cage, the uncertainty of the mean slip of a run. The shaft does not slip.
 const TOLERANCE_SHARE: f64 = 5e-4;
 /// Smallest frequency of a label in tolerances: closer combs would fit any line.
 const SEPARATION: f64 = 6.0;
@@ -52,7 +52,8 @@ const CAGE_SIDEBANDS: i32 = 3;
 const INNER: &str = "BPFI";
 /// Label of the spin of a ball.
 const BALL: &str = "BSF";
-/// Label of the rotation of the cage.
+/// Labels of the rotation of shaft and cage.
+const SHAFT: &str = "f_r";
 const CAGE: &str = "FTF";
 const OUTER: &str = "BPFO";
 /// Labels of whirl.
@@ -154,9 +155,10 @@ impl Term {
 
 /// The simplest combination near a frequency and the deviation from it; an empty label and 0 without one.
 fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64) {
-    let tolerance = TOLERANCE_BINS * resolution + TOLERANCE_SHARE * frequency;
+    let of_bins = TOLERANCE_BINS * resolution;
+    let widest = of_bins + TOLERANCE_SHARE * frequency;
     let mut best: Option<(f64, [Term; 3], f64)> = None;
-    for combination in combinations(frequency, sources, tolerance) {
+    for combination in combinations(frequency, sources, widest) {
         let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let cost: f64 = combination.iter().map(Term::cost).sum();
         let terms = combination.iter().filter(|term| term.order != 0).count();
@@ -167,6 +169,7 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
         let of_defect = sources.inner_defect && combination[0].name == INNER && combination[2].order == 0;
         let of_balls = sources.unequal_balls && combination[0].name == OUTER && combination[1].order == 0;
         let of_ball = combination[0].name == BALL;
+        let tolerance = of_bins + TOLERANCE_SHARE * frequency.min(slipping(&combination));
         let is_near = |share: f64| deviation.abs() <= share * tolerance;
         let plain =
             (sides <= PLAIN_SIDEBAND || of_defect || of_balls) && is_near(GOOD_FIT) || of_ball && is_near(BALL_FIT);
@@ -181,6 +184,12 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
     best.map_or_else(Default::default, |(_, combination, deviation)| (written(&combination), deviation))
 }
 
+/// Frequencies of the terms that turn with the cage, without signs [Hz].
+fn slipping(combination: &[Term; 3]) -> f64 {
+    let slips = |term: &&Term| term.name != SHAFT;
+    combination.iter().filter(slips).map(|term| f64::from(term.order.abs()) * term.frequency).sum()
+}
+
 /// Combinations with a physical cause that come near the frequency:
 /// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
 /// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
@@ -189,7 +198,7 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
 fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1 };
     let all = &sources.frequencies;
-    let shaft = term("f_r", all.shaft, 1.0);
+    let shaft = term(SHAFT, all.shaft, 1.0);
     let cage = term(CAGE, all.cage, 1.6);
     let outer = term(OUTER, all.ball_pass_outer, 1.0);
     let inner = term(INNER, all.ball_pass_inner, 1.1);
@@ -209,7 +218,10 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
             found.push([carrier.times(order as i32), sides[0], sides[1]]);
         }
     };
-    for k in side(&cage, CAGE_SIDEBANDS) {
+    // Unequal balls drive every multiple of the cage speed.
+    let half_passage = (0.5 * all.ball_pass_outer / all.cage) as i32;
+    let of_cage = if sources.unequal_balls { CAGE_SIDEBANDS.max(half_passage) } else { CAGE_SIDEBANDS };
+    for k in side(&cage, of_cage) {
         let cage = cage.times(k);
         for n in side(&shaft, SHAFT_SIDEBANDS) {
             carry(outer, [shaft.times(n), cage]);
