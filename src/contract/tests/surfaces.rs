@@ -101,6 +101,18 @@ fn wrong_surfaces_are_refused() {
         (balls(json!({ "ball": 3, "diameter_um": 30 })), "balls", "30 µm of item 1: at most"),
         (every_ball(json!({ "diameter_spread_um": -1 })), "every_ball/diameter_spread_um", "must be from 0 to 5000 µm"),
         (every_ball(json!({ "diameter_spread_um": 30 })), "every_ball/diameter_spread_um", "30 µm: at most"),
+        (
+            balls(
+                json!({ "ball": 3, "defects": [{ "diameter_mm": 0.5, "depth_um": 5 }, { "diameter_mm": 0.5, "depth_um": 5 }] }),
+            ),
+            "balls",
+            "the outlines of defects 0 and 1 of ball 3 overlap",
+        ),
+        (
+            inner(json!({ "defects": [{ "length_mm": 1, "depth_um": 3, "width_mm": 1, "across_mm": 5 }] })),
+            "inner/defects",
+            "item 0 lies 5 mm across",
+        ),
         (json!({ "preset": "new" }), "preset", "known: `precision`, `standard`, `worn`"),
         (
             balls(json!({ "ball": 3, "waviness": [{ "order": 3, "amplitude_nm": -1 }] })),

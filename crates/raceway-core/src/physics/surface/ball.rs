@@ -17,6 +17,16 @@ pub struct BallDefect {
     pub longitude: f64,
 }
 
+impl BallDefect {
+    /// Returns true where the outlines of two defects on a ball of some diameter [m] overlap.
+    fn overlaps(&self, other: &Self, ball_diameter: f64) -> bool {
+        let sines = self.latitude.sin() * other.latitude.sin();
+        let cosines = self.latitude.cos() * other.latitude.cos() * (self.longitude - other.longitude).cos();
+        let apart = 0.5 * ball_diameter * (sines + cosines).clamp(-1.0, 1.0).acos();
+        apart < 0.5 * (self.diameter + other.diameter)
+    }
+}
+
 /// Surface of one ball. Its frame at t = 0: axis 2 from the ball's centre to its outer contact, axis 3 along the orbit from +Y towards +Z,
 /// axis 1 = 2 × 3.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -142,6 +152,14 @@ pub(super) fn check_fit(balls: &[GivenBall], every: &EveryBall, bearing: &Bearin
         let deviation = surface.diameter_deviation;
         if deviation.abs() > most {
             let reason = format!("{} µm of item {index}: {limit}, more or less", 1e6 * deviation);
+            faults.inconsistent("surfaces.balls", reason);
+        }
+        let is_other = |of: usize| {
+            surface.defects[..of].iter().position(|other| surface.defects[of].overlaps(other, p.ball_diameter))
+        };
+        if let Some((other, of)) = (0..surface.defects.len()).find_map(|of| Some((is_other(of)?, of))) {
+            let reason =
+                format!("the outlines of defects {other} and {of} of ball {ball} overlap: give them as one defect");
             faults.inconsistent("surfaces.balls", reason);
         }
     }

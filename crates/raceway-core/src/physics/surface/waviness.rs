@@ -226,8 +226,8 @@ impl SurfaceParameters {
         let (centre, curvature) = (&bearing.groove_centre_radius, &p.groove_curvature);
         let inner = centre.inner - curvature.inner * p.ball_diameter;
         let outer = centre.outer + curvature.outer * p.ball_diameter;
-        self.raceway.inner.check_fit(inner, NAMES.inner.defects, faults);
-        self.raceway.outer.check_fit(outer, NAMES.outer.defects, faults);
+        self.raceway.inner.check_fit(inner, p.ball_diameter, NAMES.inner.defects, faults);
+        self.raceway.outer.check_fit(outer, p.ball_diameter, NAMES.outer.defects, faults);
         ball::check_fit(&self.balls, &self.every_ball, bearing, faults);
     }
 
@@ -306,11 +306,18 @@ impl RacewaySurface {
     }
 
     /// `radius`: of the groove's bottom [m].
-    fn check_fit(&self, radius: f64, name: &'static str, faults: &mut Faults) {
+    fn check_fit(&self, radius: f64, ball_diameter: f64, name: &'static str, faults: &mut Faults) {
         for (index, defect) in self.defects.iter().enumerate() {
             if defect.length >= TAU * radius {
                 let (length, turn) = (1e3 * defect.length, 1e3 * TAU * radius);
                 let reason = format!("{length:.4} mm of item {index} are no less than the raceway's {turn:.4} mm");
+                faults.inconsistent(name, reason);
+            }
+            if let Some(width) = defect.width.filter(|width| defect.across.abs() - 0.5 * width >= 0.5 * ball_diameter) {
+                let (across, width, most) = (1e3 * defect.across, 1e3 * width, 5e2 * ball_diameter);
+                let reason = format!(
+                    "item {index} lies {across} mm across and is {width} mm wide: no ball touches the groove beyond {most:.4} mm"
+                );
                 faults.inconsistent(name, reason);
             }
             let is_other = |(_, other): &(usize, &Defect)| defect.overlaps(other, radius);

@@ -44,6 +44,9 @@ const TILT_SETTLE_S: f64 = 4.0;
 /// Rate of the damping at the start [1/s]. Vibration falls by at least 7 e-folds before the damping has faded, and steps of 7.5 µs resolve it.
 const START_DAMPING_PER_S: f64 = 2000.0;
 
+/// Positions of unequal balls over a turn of the cage whose equilibria are averaged. An equilibrium of many balls takes milliseconds.
+const UNEQUAL_POSITIONS: usize = 16;
+
 /// Error control of the start-up phase, used if all fixed steps diverge. Its error decays with the initial transient.
 const STARTUP_TOLERANCE: Stepping =
     Stepping { method: Method::Auto, relative_tolerance: 1e-3, fixed_step: None, most_evaluations: None };
@@ -70,13 +73,17 @@ impl StaticSupport {
         let outputs = Outputs::vibration();
         let mut mechanism = Mechanism::new(scene, &ActiveTerms::of(scene, &outputs, None).ok()?);
         let law = scene.raceway_damping.resolve();
-        // The balls orbit. Positions are averaged: one ball below the load, and half a ball spacing further; so for each ball where they differ.
+        // The balls orbit. Positions are averaged: one ball below the load, and half a ball spacing further; more where balls differ.
         let (mut damping, mut all_carry) = (Matrix3::zeros(), true);
         let balls = mechanism.layout.balls;
         let halfway = 0.5 * std::f64::consts::TAU / balls as f64;
-        let positions = if scene.has_unequal_balls() { 2 * balls } else { 2 };
+        // A step of an odd number of half spacings puts balls below the load and beside it in turn.
+        let (positions, step) = match scene.has_unequal_balls() {
+            true => (UNEQUAL_POSITIONS, (2 * balls / UNEQUAL_POSITIONS) | 1),
+            false => (2, 1),
+        };
         for position in 0..positions {
-            mechanism.start = mechanism.start.turned(if position == 0 { 0.0 } else { halfway });
+            mechanism.start = mechanism.start.turned(if position == 0 { 0.0 } else { step as f64 * halfway });
             let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
             let [x, y, z] = rest.spindle;
             for (ball, load) in rest.loads.iter().enumerate() {
