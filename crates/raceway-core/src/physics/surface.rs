@@ -12,6 +12,7 @@ mod height;
 mod narrow;
 pub mod sphere;
 mod table;
+mod wave;
 pub mod waviness;
 
 use std::sync::Arc;

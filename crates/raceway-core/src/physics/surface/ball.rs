@@ -1,6 +1,6 @@
 //! Surfaces of the balls: diameters that differ from nominal, waves and defects.
 
-use super::waviness::{Kind, MOST_WAVES, RandomWaviness, Wave, WaveNames, drawn_number};
+use super::wave::{Kind, MOST_WAVES, RandomWaviness, Wave, WaveNames, drawn_number};
 use crate::physics::bearing::Bearing;
 use crate::physics::limits::Faults;
 

@@ -4,35 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use super::ball::{self, BallSurface, EveryBall, GivenBall};
 use super::defects::{Defect, MOST_DEFECTS};
+use super::wave::{MOST_WAVES, WaveNames};
+pub use super::wave::{RandomWaviness, Wave};
 use crate::numerics::angle::sin_cos;
-use crate::numerics::exponential::power;
-use crate::numerics::random::SplitMix64;
 use crate::physics::bearing::{Bearing, PerRaceway};
 use crate::physics::limits::Faults;
-
-/// A wave of the height, amplitude · cos(order · φ + phase), φ the azimuth on the ring.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wave {
-    /// Periods round the ring.
-    pub order: u32,
-    /// [m]
-    pub amplitude: f64,
-    /// [rad]
-    pub phase: f64,
-}
-
-/// Waves of many orders with drawn phases: amplitude · (order/at_order)^−exponent.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RandomWaviness {
-    /// Amplitude at `at_order` [m].
-    pub amplitude: f64,
-    pub at_order: u32,
-    /// [-]
-    pub exponent: f64,
-    pub from_order: u32,
-    /// `None`: the order whose waves are as long as the contact, where averaging removes them.
-    pub to_order: Option<u32>,
-}
 
 /// Surface of one raceway.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -78,15 +54,6 @@ impl Default for Surfaces {
         let raceway = PerRaceway { inner: RacewaySurface::default(), outer: RacewaySurface::default() };
         Self { raceway, balls: Vec::new(), seed: 1 }
     }
-}
-
-/// Largest number of waves that are given one by one.
-pub const MOST_WAVES: usize = 64;
-
-/// Names of the parameters of waves, in the order of the fields.
-pub(super) struct WaveNames {
-    pub(super) waviness: &'static str,
-    pub(super) wave: [&'static str; 3],
 }
 
 /// Names of the parameters of one raceway, in the order of the fields.
@@ -254,38 +221,6 @@ impl SurfaceParameters {
     }
 }
 
-impl WaveNames {
-    /// Checks waves given one by one.
-    pub(super) fn check_waves(&self, waves: &[Wave], most: usize, faults: &mut Faults) {
-        if waves.len() > most {
-            faults.inconsistent(self.waviness, format!("{} waves: at most {most}", waves.len()));
-        }
-        for wave in waves {
-            let values = [f64::from(wave.order), wave.amplitude, wave.phase];
-            for (name, value) in self.wave.iter().zip(values) {
-                faults.check(name, value);
-            }
-        }
-    }
-}
-
-impl RandomWaviness {
-    /// `names`: of the parameters, in the order of the fields.
-    pub(super) fn check(&self, names: &[&'static str; 5], faults: &mut Faults) {
-        let [amplitude, at_order, exponent, from_order, to_order] = names;
-        faults.check(amplitude, self.amplitude);
-        faults.check(at_order, f64::from(self.at_order));
-        faults.check(exponent, self.exponent);
-        faults.check(from_order, f64::from(self.from_order));
-        if let Some(to) = self.to_order
-            && faults.check(to_order, f64::from(to))
-            && to < self.from_order
-        {
-            faults.inconsistent(to_order, format!("{to} is below from_order, {}", self.from_order));
-        }
-    }
-}
-
 impl RacewaySurface {
     /// Returns true where no height differs from 0.
     pub fn is_ideal(&self) -> bool {
@@ -355,34 +290,9 @@ impl RacewaySurface {
     }
 }
 
-impl RandomWaviness {
-    /// The waves with their drawn phases. `first_zero`: the order that ends them by default; `index`: number of the surface.
-    pub(super) fn waves(self, first_zero: f64, index: u64, seed: u64) -> impl Iterator<Item = Wave> {
-        let last = self.to_order.unwrap_or(first_zero as u32);
-        (self.from_order..=last).map(move |order| Wave {
-            order,
-            amplitude: self.amplitude * power(f64::from(order) / f64::from(self.at_order), -self.exponent),
-            phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
-        })
-    }
-}
-
 /// Numbers of the surfaces in the hash of drawn numbers.
 pub(crate) const OUTER: u64 = 0;
 pub(crate) const INNER: u64 = 1;
-
-/// What a drawn number belongs to.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Kind {
-    RadialWave,
-    Diameter,
-}
-
-/// A number of 0 … 1 that depends on the words alone: no other field of a scene changes it.
-pub(super) fn drawn_number(words: [u64; 4]) -> f64 {
-    let hash = words.into_iter().fold(0, |hash, word| SplitMix64::new(hash ^ word).next());
-    SplitMix64::new(hash).uniform()
-}
 
 /// The contact of a raceway, over whose width heights are averaged.
 ///
