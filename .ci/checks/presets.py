@@ -41,8 +41,8 @@ def case_flights_and_plots(running):
     shares = [metrics.get("contacts", {}).get("inner", {}).get(name) for name in ("mean_off_share", "max_off_share")]
     verdict(None not in shares and 0 < shares[0] <= shares[1] < 0.1, f"share of the time off the inner raceway: {shares}")
     for name in ("envelope_svg", "impact_svg"):
-        status, _, body = running.request("GET", links[name]) if name in links else (None, None, "")
-        verdict(status == 200 and str(body).startswith("<svg"), f"{name} is a picture: {status}")
+        status, _, body = running.request("GET", links[name]) if name in links else (None, None, b"")
+        verdict(status == 200 and bytes(body).startswith(b"<svg"), f"{name} is a picture: {status}")
 
 
 def case_ideal_raceways_state_no_flights(running):

@@ -67,15 +67,6 @@ def case_inner_waves_do_not_repeat_with_the_balls(running):
     verdict(holds, f"the level periodic names the inner ring: {status} {answer}")
 
 
-def case_unbuilt_fields_are_named(running):
-    job = preloaded({"inner": {"axial_waviness": []}})
-    status, _, answer = running.request("POST", "/v1/jobs", job)
-    errors = answer.get("errors", []) if isinstance(answer, dict) else []
-    holds = status == 422 and any(
-        error["pointer"] == "/scene/surfaces/inner/axial_waviness" and error["detail"] == "not supported yet" for error in errors)
-    verdict(holds, f"axial waviness is refused by its pointer: {status} {errors}")
-
-
 def case_resolve_lists_waves(running):
     job = preloaded({"outer": {"waviness": [{"order": 8, "amplitude_nm": 10}, {"order": 90000, "amplitude_nm": 1}]}})
     answer = running.request("POST", "/v1/scenes/resolve", {"scene": job["scene"]})[2]
