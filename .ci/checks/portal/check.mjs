@@ -199,12 +199,12 @@ async function fromPresetToPlot(page) {
   );
   ok(`the spectrum names its lines: ${labels.slice(0, 5).join(', ')}`);
 
-  await page.getByLabel('Spectrum of the').selectOption('envelope');
+  await page.locator('#panel-result').getByLabel('Spectrum of the').selectOption('envelope');
   const caption = page.locator('#panel-result figcaption').first();
   await caption.filter({ hasText: 'Envelope spectrum' }).filter({ hasText: 'Strongest line' }).waitFor();
   await page.getByText('Velocity by band').waitFor();
   ok(`the envelope has lines, too: ${(await caption.textContent()).split('. ').at(-2)}`);
-  await page.getByLabel('Spectrum of the').selectOption('amplitude');
+  await page.locator('#panel-result').getByLabel('Spectrum of the').selectOption('amplitude');
   await caption.filter({ hasText: 'Amplitude spectrum' }).waitFor();
 }
 

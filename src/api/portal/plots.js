@@ -182,7 +182,8 @@ export class SpectrumPlot extends Plot {
   }
 
   #heights() {
-    return this.log ? [this.top * 1e-6, this.top * 2] : [0, this.top];
+    // uPlot finds the grid of a logarithmic axis only from a whole decade on.
+    return this.log ? [10 ** Math.floor(Math.log10(this.top * 1e-6)), this.top * 2] : [0, this.top];
   }
 
   #zoom(factor) {
