@@ -5,21 +5,10 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from cases import run_cases, verdict  # noqa: E402
+from cases import metrics, run_cases, verdict  # noqa: E402
 
 Y, Z = "spindle.y.displacement", "spindle.z.displacement"
 ACCELERATION = "spindle.y.acceleration"
-
-
-def metrics(running, job):
-    """Metrics of a run; empty where the service refuses the job."""
-    status, _, answer = running.request("POST", "/v1/jobs", job)
-    if status != 202:
-        print(answer)
-        return {}
-    path = f"/v1/jobs/{answer['id']}"
-    running.ended(path, at_most=600)
-    return running.request("GET", f"{path}/metrics")[2]
 
 
 def one_ball(order, level="planar"):

@@ -5,7 +5,7 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from cases import run_cases, verdict  # noqa: E402
+from cases import metrics, run_cases, verdict  # noqa: E402
 
 Y = "spindle.y.acceleration"
 
@@ -20,23 +20,12 @@ def slot(**fields):
     return {"defects": [{"length_mm": 1, "depth_um": 10, **fields}]}
 
 
-def metrics(running, surfaces):
-    """Metrics of a run; empty where the service refuses the job."""
-    status, _, answer = running.request("POST", "/v1/jobs", motor(surfaces))
-    if status != 202:
-        print(answer)
-        return {}
-    path = f"/v1/jobs/{answer['id']}"
-    running.ended(path, at_most=600)
-    return running.request("GET", f"{path}/metrics")[2]
-
-
 def labels(found):
     return [line["label"] for line in found.get("lines", []) if line["channel"] == Y][:8]
 
 
 def case_outer_defect(running):
-    found, ideal = metrics(running, {"outer": slot()}), metrics(running, {})
+    found, ideal = metrics(running, motor({"outer": slot()})), metrics(running, motor({}))
     names = labels(found)
     verdict(names and all(name.endswith("BPFO") for name in names), f"outer defect, harmonics of BPFO: {names}")
     rms = [one.get("channels", {}).get(Y, {}).get("rms", 0) for one in (found, ideal)]
@@ -44,7 +33,7 @@ def case_outer_defect(running):
 
 
 def case_inner_defect(running):
-    names = labels(metrics(running, {"inner": slot()}))
+    names = labels(metrics(running, motor({"inner": slot()})))
     beside = [name for name in names if "BPFI" in name and "f_r" in name]
     verdict(beside and all("BPFI" in name for name in names), f"inner defect, BPFI with sidebands of f_r: {names}")
 

@@ -5,22 +5,13 @@ import os
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from cases import run_cases, verdict  # noqa: E402
+from cases import finished, run_cases, verdict  # noqa: E402
 
 
 def motor(surfaces):
     """A 6205 under 500 N at 1797 r/min."""
     return {"kind": "simulation", "settle_s": 0.1, "duration_s": 0.1, "solver": {"rung": "planar"},
             "scene": {"bearing": "6205", "operation": {"speed_rpm": 1797, "radial_load_y_n": 500}, "surfaces": surfaces}}
-
-
-def finished(running, surfaces):
-    """The finished job; empty where the service refuses it."""
-    status, _, answer = running.request("POST", "/v1/jobs", motor(surfaces))
-    if status != 202:
-        print(answer)
-        return {}
-    return running.ended(f"/v1/jobs/{answer['id']}", at_most=600)
 
 
 def case_presets_give_waviness(running):
@@ -35,7 +26,7 @@ def case_presets_give_waviness(running):
 
 
 def case_flights_and_plots(running):
-    job = finished(running, {"outer": {"defects": [{"length_mm": 1, "depth_um": 10}]}})
+    job = finished(running, motor({"outer": {"defects": [{"length_mm": 1, "depth_um": 10}]}}))
     links = job.get("links", {})
     metrics = running.request("GET", links["metrics"])[2] if links else {}
     shares = [metrics.get("contacts", {}).get("inner", {}).get(name) for name in ("mean_off_share", "max_off_share")]
@@ -46,7 +37,7 @@ def case_flights_and_plots(running):
 
 
 def case_ideal_raceways_state_no_flights(running):
-    links = finished(running, {}).get("links", {})
+    links = finished(running, motor({})).get("links", {})
     inner = running.request("GET", links["metrics"])[2]["contacts"]["inner"] if links else {}
     verdict("max_load_n" in inner and "mean_off_share" not in inner and "impact_svg" not in links, f"ideal raceways: {sorted(inner)}")
 

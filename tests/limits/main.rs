@@ -5,6 +5,7 @@ mod article;
 mod article_run;
 mod scenes;
 
+mod ball_surfaces;
 mod contact_points;
 mod defects;
 mod dissipation;
@@ -32,6 +33,5 @@ mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
 mod unequal_balls;
-mod uneven_balls;
 mod waviness;
 mod wrong_answers;

@@ -1,8 +1,8 @@
 //! Deviation of raceways and balls from their ideal forms. A raceway has a height over azimuth, out of the material.
 //!
-//! The height h adds to the penetration δ and its rate to the damping. Because δ depends on the azimuth φ of the ball on the ring, a
-//! load Q also pushes the ball along the raceway with −Q h_φ/r, and the ring with the opposite at the same point: the tilt of the
-//! contact normal. Without this lean force the height would do work that no body pays for.
+//! The height h adds to the penetration δ and its rate to the damping. δ depends on the azimuth φ of the ball on the ring. A
+//! load Q therefore also pushes the ball along the raceway with −Q h_φ/r, by the tilt of the contact normal. The ring takes the opposite
+//! force at the same point. Without this lean force the height would do work that no body pays for.
 //!
 //! Along the raceway a profile has a continuous second derivative: a step in slope would be an impact that no step size resolves.
 

@@ -461,7 +461,7 @@ mod tests {
         assert!((recess.floor(0.0) / expected - 1.0).abs() < 1e-6, "{} {expected}", recess.floor(0.0));
     }
 
-    /// Slopes of a narrow defect are those of its fall; beside it there is none, in a wide one the fall is whole.
+    /// A narrow defect has the slopes of its fall. There is no fall beside it, and the whole fall in a wide defect.
     #[test]
     fn a_narrow_defect_has_the_slopes_of_its_fall() {
         for width in [0.2e-3, 0.5e-3, 1.4e-3, 3e-3] {
@@ -483,8 +483,8 @@ mod tests {
         assert!((fall / 6e-6 - 1.0).abs() < 1e-6 && (by_fall - 1.0).abs() < 1e-6 && by_place.abs() < 1e-9);
     }
 
-    /// Deep slots in the middle of a contact of k = 6.3, of 0.15, 0.3 and 0.6 of its width, give 0.044, 0.137 and 0.430 of the approach; beside
-    /// the middle, a slot under half of the contact gives 0.32 of it.
+    /// Contact of k = 6.3: deep slots in its middle of 0.15, 0.3 and 0.6 of its width give 0.044, 0.137 and 0.430 of the approach. A slot under
+    /// one half of the contact gives 0.32 of it.
     #[test]
     fn slots_narrower_than_the_contact_carry_the_ball() {
         let a = OUTER.semi_major;

@@ -1,8 +1,8 @@
 //! Height over the unit sphere of a ball: waves round its equator that fade beside it, and round defects.
 //!
 //! A ball turns under its contacts. Its height h at a contact therefore depends on the attitude of the contact's frame relative to the
-//! ball. One vector τ holds all slopes, dh = (dθ_frame − dθ_ball) · τ: a load Q turns the ball with the moment Q τ and pushes it with
-//! the force −(Q τ_a/r) t − (Q τ_t/|l|) c, and the ring takes the opposite force at the same point. Without that force neither energy nor
+//! ball. One vector τ holds all slopes, dh = (dθ_frame − dθ_ball) · τ. A load Q turns the ball with the moment Q τ and pushes it with
+//! the force −(Q τ_a/r) t − (Q τ_t/|l|) c. The ring takes the opposite force at the same point. Without that force neither energy nor
 //! angular momentum would be kept.
 
 use super::ball::BallDefect;

@@ -44,7 +44,8 @@ const TILT_SETTLE_S: f64 = 4.0;
 /// Rate of the damping at the start [1/s]. Vibration falls by at least 7 e-folds before the damping has faded, and steps of 7.5 µs resolve it.
 const START_DAMPING_PER_S: f64 = 2000.0;
 
-/// Positions of unequal balls over a turn of the cage whose equilibria are averaged. An equilibrium of many balls takes milliseconds.
+/// Positions of unequal balls over a turn of the cage whose equilibria are averaged [-]. In seven scenes of 7 to 32 balls their mean decay is within
+/// 5 % of that of every half ball spacing; 8 positions are up to 18 % off, 2 up to all of it. An equilibrium of many balls takes milliseconds.
 const UNEQUAL_POSITIONS: usize = 16;
 
 /// Error control of the start-up phase, used if all fixed steps diverge. Its error decays with the initial transient.

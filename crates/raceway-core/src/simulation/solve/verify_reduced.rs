@@ -74,8 +74,7 @@ pub(crate) fn by_richer_model(
                 true => of_beginning(&attempt.recording, finer, unseen),
                 false => Deviation::of_recordings(&attempt.recording, finer, unseen),
             };
-            let of = |finer: &Recording| by_steps(of(finer));
-            course = finer.as_ref().map(|finer| of(finer).of_asked(&settings.outputs));
+            course = finer.as_ref().map(|finer| by_steps(of(finer)).of_asked(&settings.outputs));
         } else {
             if let Some(of_trial) = attempt.step_deviation {
                 deviation = deviation.larger(&by_steps(of_trial));
