@@ -241,8 +241,8 @@ impl Potential<DIRECTIONS> for RacewayPotential<'_> {
                 let azimuth = self.azimuths[ball];
                 let (towards, across) = (azimuth.to_inertial(touch.towards), azimuth.to_inertial(touch.across));
                 let moved = |row: usize| (-towards[self.free[row]], -across[self.free[row]]);
-                for row in 0..self.free.len() {
-                    of_spindle[row] += touch.load * moved(row).0;
+                for (row, slope) in of_spindle.iter_mut().enumerate() {
+                    *slope += touch.load * moved(row).0;
                     for column in 0..2 {
                         let of_column = (touch.towards[column], touch.across[column]);
                         block.border[column][row] += touch.stiffness(moved(row), of_column);
