@@ -3,19 +3,21 @@
 
 Usage: python3 benches/surfaces/levels.py --binary BINARY --rows FILE [--count 60] [--from 0] [--limit 120] [--kind waves|defect] [--report]
 
-Each scene is one of benches/calibration/drawn.rs with drawn surfaces. It runs twice: kind `waves` has waves of raceways or balls, often with
-unequal balls and pockets, and kind `defect` has a defect of a raceway, too. Each runs on both levels. A later call with the same file of rows
-(JSON lines) computes the missing ones only. `--report` prints the table from the rows without a run.
+Each scene is one of benches/calibration/drawn.rs with drawn surfaces and, in every second one, a cage that is symmetric like those of two
+ribbons. It runs twice: kind `waves` has waves of raceways or balls, often with unequal balls and pockets, and kind `defect` has a defect of
+a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes the missing ones only.
+`--report` prints the table from the rows without a run.
 
-  admitted   the selected level `radially_condensed` runs and its verification confirms it
+  admitted   the selected level `radially_condensed` runs and its verification confirms it; all else is refused or carries a warning
   within     accelerations y and z within 0.05 dB of `full` with waves, within 0.2 dB with a defect; there, the first three envelope lines
              along y that `full` lists within 0.5 dB
-  miss       not within, and without a warning
+  miss       admitted, not within, and without a warning
 
 Only the standard library is needed. The exit code is 1 after a miss.
 """
 
 import argparse
+import itertools
 import json
 import math
 import os
@@ -28,6 +30,7 @@ KINDS = ("waves", "defect")
 CHANNELS = ("spindle.y.acceleration", "spindle.z.acceleration")
 # Ball diameters [mm] and numbers of balls of the drawn bearings.
 BEARINGS = {"article-integrated": (2.778, 7), "article-deep-groove": (2.38, 7), "608": (3.969, 7), "6205": (7.94, 9)}
+SYMMETRIC = {"seat": "closed", "offset_mm": 0}
 # Allowed deviations of levels and of envelope lines [dB].
 LEVEL_DB = {"waves": 0.05, "defect": 0.2}
 ENVELOPE_DB = 0.5
@@ -49,9 +52,12 @@ class Draw(compare.Draw):
             every["diameter_spread_um"] = self.between_decades(0.02, 0.5)
         if every:
             surfaces["every_ball"] = every
+        cage = dict(SYMMETRIC) if self.chance(0.5) else {}
         if self.chance(0.3):
             balls = scene["bearing"].get("ball_count", BEARINGS[scene["bearing"]["preset"]][1])
-            scene["bearing"]["cage"] = {"pocket_spacing_mrad": [self.between_decades(0.1, 3.0)] + [0.0] * (balls - 1)}
+            cage["pocket_spacing_mrad"] = [self.between_decades(0.1, 3.0)] + [0.0] * (balls - 1)
+        if cage:
+            scene["bearing"]["cage"] = cage
         scene["surfaces"] = surfaces
 
     def defect(self, scene):
@@ -93,49 +99,54 @@ def row_of(index, kind, runner, binary):
     scene = drawn["scene"]
     row = {"index": index, "kind": kind, "bearing": scene["bearing"]["preset"], "speed_rpm": scene["operation"]["speed_rpm"],
            "radial_load_n": round(math.hypot(scene["operation"]["radial_load_y_n"], scene["operation"].get("radial_load_z_n", 0.0)), 1),
-           "surfaces": scene["surfaces"]}
-    answers = {}
-    for level, solver in (("radially_condensed", {}), ("full", {"model_tolerance_db": 0.01})):
-        done = runner.run(binary, "simulate", drawn | {"solver": {"rung": level, **solver}})
-        row[f"cpu_s_{level}"] = done["cpu_s"]
-        if "failure" in done:
-            return row | {"outcome": "refused" if level == "radially_condensed" else "no reference", "reason": done["failure"][-300:]}
-        answers[level] = json.loads(done["answer"])
-    found, full = answers["radially_condensed"], answers["full"]
+           "symmetric": "seat" in scene["bearing"].get("cage", {}), "surfaces": scene["surfaces"]}
+    run = lambda level: runner.run(binary, "simulate", drawn | {"solver": {"rung": level}})
+    done = run("radially_condensed")
+    row["cpu_s"] = done["cpu_s"]
+    if "failure" in done:
+        return row | {"outcome": "refused", "reason": done["failure"]}
+    found = json.loads(done["answer"])
     warned = [message["code"] for message in found["messages"] if message["severity"] != "info"]
-    levels = [[metrics["channels"][channel].get("level_db") for channel in CHANNELS] for metrics in (found, full)]
-    errors = [one - other for one, other in zip(*levels) if None not in (one, other)]
+    doubts = [message["text"] for message in found["messages"] if message["code"] in NOT_CONFIRMED]
+    if doubts:
+        return row | {"outcome": "not confirmed", "reason": doubts[0]}
+    done = run("full")
+    row["cpu_s_full"] = done["cpu_s"]
+    if "failure" in done:
+        return row | {"outcome": "no reference", "reason": done["failure"]}
+    full = json.loads(done["answer"])
+    level = lambda metrics, channel: metrics["channels"][channel]["level_db"]
+    errors = [level(found, channel) - level(full, channel) for channel in CHANNELS]
     of_lines = envelope_errors(found, full) if kind == "defect" else []
     within = all(abs(error) <= LEVEL_DB[kind] for error in errors) and all(abs(error) <= ENVELOPE_DB for error in of_lines)
-    admitted = not any(code in NOT_CONFIRMED for code in warned)
-    stated = lambda metrics: max((metrics["channels"][channel].get("level_error_db") or 0 for channel in CHANNELS), default=0)
-    return row | {"outcome": "admitted" if admitted else "not confirmed", "within": within, "warnings": warned, "errors_db": errors,
-                  "envelope_errors_db": [error if math.isfinite(error) else None for error in of_lines], "stated_db": stated(found),
-                  "reference_error_db": stated(full), "reference_warnings": [m["code"] for m in full["messages"] if m["severity"] != "info"],
-                  "reason": next((message["text"] for message in found["messages"] if message["code"] in NOT_CONFIRMED), "")}
+    stated = lambda metrics: max(metrics["channels"][channel].get("level_error_db") or math.inf for channel in CHANNELS)
+    return row | {"outcome": "admitted", "within": within, "warnings": warned, "errors_db": errors, "envelope_errors_db": of_lines,
+                  "stated_db": stated(found), "reference_error_db": stated(full)}
 
 
 def largest(rows, name):
-    return max((abs(error) if error is not None else math.inf for row in rows for error in row[name]), default=0.0)
+    return max((abs(error) for row in rows for error in row[name]), default=0.0)
 
 
 def report(rows):
     """Prints the table and returns the number of misses."""
+    heads = ("surfaces", "cage", "scenes", "admitted", "within", "largest error of a level [dB]", "of an envelope line [dB]", "not confirmed",
+             "refused", "no reference", "misses")
+    print(f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}")
     misses = 0
-    print("| kind | scenes | admitted | within | largest level error, admitted [dB] | largest envelope error, admitted [dB] | not confirmed | of these within | refused | misses |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
-    for kind in KINDS:
-        of_kind = [row for row in rows if row["kind"] == kind and row["outcome"] != "no reference"]
-        admitted, doubted, refused = ([row for row in of_kind if row["outcome"] == name] for name in ("admitted", "not confirmed", "refused"))
+    for kind, symmetric in itertools.product(KINDS, (True, False)):
+        of_kind = [row for row in rows if row["kind"] == kind and row["symmetric"] == symmetric]
+        admitted, doubted, refused, unknown = ([row for row in of_kind if row["outcome"] == name]
+                                               for name in ("admitted", "not confirmed", "refused", "no reference"))
         missed = [row for row in admitted if not row["within"] and not row["warnings"]]
         misses += len(missed)
         envelope = f"{largest(admitted, 'envelope_errors_db'):.3f}" if kind == "defect" else ""
-        print(f"| {kind} | {len(of_kind)} | {len(admitted)} | {sum(row['within'] for row in admitted)} | {largest(admitted, 'errors_db'):.3f} | {envelope} | "
-              f"{len(doubted)} | {sum(row['within'] for row in doubted)} | {len(refused)} | {len(missed)} |")
-        for row in admitted:
-            if not row["within"]:
-                print(f"    {kind} {row['index']}: {row['errors_db']} dB, envelope {row['envelope_errors_db']}, stated {row['stated_db']}, "
-                      f"reference {row['reference_error_db']}, {row['warnings']} {row['reference_warnings']}", file=sys.stderr)
+        entries = (kind, "symmetric" if symmetric else "crown", len(of_kind), len(admitted), sum(row["within"] for row in admitted),
+                   f"{largest(admitted, 'errors_db'):.3f}", envelope, len(doubted), len(refused), len(unknown), len(missed))
+        print(f"| {' | '.join(str(entry) for entry in entries)} |")
+    for row in rows:
+        if row["outcome"] == "admitted" and not row["within"]:
+            print({key: row[key] for key in row if key != "surfaces"}, file=sys.stderr)
     return misses
 
 
@@ -152,13 +163,13 @@ def main():
     rows = compare.read_lines(options.rows) if os.path.exists(options.rows) else []
     runner = compare.Runner(timeout=60 * options.limit)
     runner.cpu_limit = options.limit
-    for index in range(options.first, options.first + options.count):
-        for kind in [options.kind] if options.kind else KINDS:
-            if options.report or any(row["index"] == index and row["kind"] == kind for row in rows):
-                continue
-            rows.append(row_of(index, kind, runner, options.binary))
-            compare.append(options.rows, rows[-1])
-            compare.progress(json.dumps({key: value for key, value in rows[-1].items() if key != "surfaces"}))
+    indices = range(options.first, options.first + options.count)
+    for kind, index in itertools.product([options.kind] if options.kind else KINDS, indices):
+        if options.report or any(row["index"] == index and row["kind"] == kind for row in rows):
+            continue
+        rows.append(row_of(index, kind, runner, options.binary))
+        compare.append(options.rows, rows[-1])
+        compare.progress(json.dumps({key: value for key, value in rows[-1].items() if key != "surfaces"}))
     sys.exit(1 if report(rows) else 0)
 
 
