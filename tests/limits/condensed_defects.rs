@@ -42,8 +42,7 @@ fn envelope(result: &RunResult) -> &Spectrum {
     &result.spectra.iter().find(|spectra| spectra.channel == Y).unwrap().envelope
 }
 
-/// Levels and the first three lines of the envelope where defects carry their balls. The resonance is damped so far that its phase at each
-/// impact does not matter.
+/// Levels and the first three lines of the envelope where defects carry their balls, and the passages over them.
 #[test]
 fn levels_and_envelopes_over_defects_are_those_of_the_dynamics() {
     for (surfaces, is_inner) in [(on_outer(defect(0.0, 1.0, 3.0)), false), (on_inner(defect(0.0, 0.5, 2.0)), true)] {
@@ -63,6 +62,12 @@ fn levels_and_envelopes_over_defects_are_those_of_the_dynamics() {
             let [found, expected] = [&found, &expected].map(|result| line(envelope(result), order * first));
             let off = 20.0 * (found / expected).log10();
             assert!(off.abs() < 0.1, "line {order}, inner {is_inner}: {off} dB");
+        }
+        let passages = |result: &RunResult| result.plot_data.impact.as_ref().unwrap().passages.clone();
+        let (found, expected) = (passages(&found), passages(&expected));
+        assert!(found.len() == expected.len() && !found.is_empty(), "{} {}", found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found.entry - expected.entry).abs() < 2e-5 && (found.exit - expected.exit).abs() < 2e-5);
         }
     }
 }
