@@ -44,6 +44,8 @@ pub struct Mechanism {
     pub ball_radius: f64,
     /// Size and mass of each ball, eight at a time, padded by the last ball.
     pub(crate) bodies: Vec<BallBody<Lanes>>,
+    /// A nominal ball.
+    pub(crate) nominal_body: BallBody,
     /// Radius of the largest ball less the nominal one [m]; `None`: all balls are nominal.
     pub(crate) largest_oversize: Option<f64>,
     pub raceway: PerRaceway<RacewayContact>,
@@ -174,13 +176,10 @@ impl Mechanism {
             .clone()
             .any(|deviation| deviation != 0.0)
             .then(|| 0.5 * deviations.fold(f64::NEG_INFINITY, f64::max));
-        let mut raceway =
-            RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway);
+        let raceway = RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway);
         let mut pocket =
             Pocket::new(bearing, &scene.cage, &scene.lubricant, relative_spin_ratio * operating_speed, needs.pocket);
         if let Some(largest) = largest_oversize {
-            let PerRaceway { inner, outer } = raceway;
-            raceway = PerRaceway { inner: inner.with_unequal_balls(), outer: outer.with_unequal_balls() };
             pocket = pocket.with_unequal_balls(largest);
         }
         Self {
@@ -200,6 +199,7 @@ impl Mechanism {
             ball_inertia: bearing.ball_inertia,
             ball_radius: 0.5 * bearing.parameters.ball_diameter,
             bodies: bodies(bearing, &scene.surfaces.balls),
+            nominal_body: BallBody::new(bearing, 0.0),
             largest_oversize,
             raceway,
             wave_frequency: 0.0,
@@ -234,6 +234,12 @@ impl Mechanism {
         self.start.angle[index]
     }
 
+    /// Size and mass of the balls from `first` on; `None`: all balls are nominal.
+    #[inline(always)]
+    pub(crate) fn unequal_bodies(&self, first: usize) -> Option<&BallBody<Lanes>> {
+        self.largest_oversize.map(|_| &self.bodies[first / LANES])
+    }
+
     /// Size and mass of a ball.
     pub(crate) fn body(&self, ball: usize) -> BallBody {
         self.bodies[ball / LANES].at(ball % LANES)
@@ -242,7 +248,13 @@ impl Mechanism {
     /// Start azimuth of a ball [rad], and its radius less the nominal one [m].
     #[inline(always)]
     pub(crate) fn start_and_oversize(&self, ball: usize) -> (f64, f64) {
-        (self.start.angle[ball], self.bodies[ball / LANES].oversize[ball % LANES])
+        (self.start.angle[ball], self.oversize(ball))
+    }
+
+    /// Radius of a ball less the nominal one [m].
+    #[inline(always)]
+    pub(crate) fn oversize(&self, ball: usize) -> f64 {
+        if self.has_equal_balls() { 0.0 } else { self.bodies[ball / LANES].oversize[ball % LANES] }
     }
 
     /// Sum of the radii of two balls less twice the nominal one [m].

@@ -228,7 +228,7 @@ impl Layout {
     /// Number of entries of a ball's motion.
     #[inline(always)]
     pub(crate) fn motion_size(&self) -> usize {
-        if self.planar { 5 } else { 9 }
+        if self.planar { PLANAR_BALL.len() } else { BALL_NAMES.len() }
     }
 
     /// Number of entries of a ball's attitude.
@@ -286,8 +286,12 @@ impl Layout {
 
     #[inline(always)]
     pub fn ball(&self, y: &[f64], ball: usize) -> BallState {
-        let (mut entries, size) = ([0.0; 9], self.motion_size());
-        entries[..size].copy_from_slice(&y[ball * self.ball_size()..][..size]);
+        let (mut entries, y) = ([0.0; 9], &y[ball * self.ball_size()..]);
+        // Sizes that the compiler knows, for copies without a call.
+        match self.planar {
+            true => entries[..PLANAR_BALL.len()].copy_from_slice(&y[..PLANAR_BALL.len()]),
+            false => entries.copy_from_slice(&y[..BALL_NAMES.len()]),
+        }
         BallState::from_entries(entries, self.planar)
     }
 

@@ -1,14 +1,14 @@
 //! Equations (1)–(14) in vector form: each contact gives one force and one moment, applied with
 //! opposite sign to the two bodies it joins.
 
-use super::ball_group::{Balls, Slopes};
+use super::ball_group::{BallLoads, Balls, Slopes};
 use super::border::{Border, CagePose, Shaft};
 use super::contact_frame::{ContactFrame, StraightFrame, TiltedFrame};
 use super::forces::{Reaction, Wrench};
 use super::one_ball::{OneBall, on_inner, on_pocket};
 use super::watch::Watch;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
-use crate::physics::ball::BallMotion;
+use crate::physics::ball::{BallMotion, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, length, scale};
@@ -57,6 +57,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             gravity: mechanism.gravity,
             axial_offset: mechanism.axial_offset,
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
+            body: mechanism.nominal_body,
         };
         Self { mechanism, one, tilted_axis, instructions: InstructionSet::best(), displacements }
     }
@@ -159,8 +160,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
-        // A copy, so that the compiler knows that no store in the loops changes it.
-        let bodies = m.bodies[first / LANES];
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
@@ -172,15 +171,20 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.motion.put(lane, motion);
         }
         self.turn_azimuths::<F>(&frames, &mut relative.inner);
-        if m.largest_oversize.is_some() {
-            (relative.inner.oversize, relative.outer.oversize) = (bodies.oversize, bodies.oversize);
-        }
         m.raceway.outer.place_in_groove(&mut relative.outer);
         m.raceway.inner.place_in_groove(&mut relative.inner);
-        let on_balls = balls.attitude.as_mut().map(|[attitude, rates]| {
+        if let Some([attitude, rates]) = &mut balls.attitude {
             *rates = self.attitude_rates(state, attitude, shaft);
-            self.on_balls::<F>(first, attitude, &relative, &frames, shaft)
-        });
+        }
+        // Filled in only where balls differ from nominal spheres.
+        let of_balls;
+        let on_balls = match self.has_nominal_spheres() {
+            true => None,
+            false => {
+                of_balls = self.on_balls::<F>(first, balls.attitude.as_ref(), &relative, &frames, shaft);
+                Some(&of_balls)
+            }
+        };
         // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
@@ -197,9 +201,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let of_pocket = slopes.as_deref_mut().map(|slopes| &mut slopes.pocket);
         self.pockets(first, &balls.motion, &pose, &mut in_pocket, &mut places, of_pocket);
         let mut load: PerRaceway<RacewayLoad<Lanes>> = PerRaceway::default();
-        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, on_balls.as_ref(), &mut load, self.instructions);
+        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, on_balls, &mut load, self.instructions);
         if let Some(slopes) = slopes {
-            let (on_inner, on_outer) = (on_balls.as_ref().map(|on| &on.inner), on_balls.as_ref().map(|on| &on.outer));
+            let (on_inner, on_outer) = (on_balls.map(|on| &on.inner), on_balls.map(|on| &on.outer));
             m.raceway.outer.slopes::<PLANAR>(&relative.outer, on_outer, &load.outer, &mut slopes.raceway.outer);
             m.raceway.inner.slopes::<PLANAR>(&relative.inner, on_inner, &load.inner, &mut slopes.raceway.inner);
             m.raceway.outer.rolling_speeds(
@@ -224,17 +228,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 slopes.arm.put(lane, tilt.to_inertial(add(places.at(lane), in_pocket.lever.at(lane))));
             }
         }
-        for lane in 0..LANES {
-            let motion = balls.motion.at(lane);
-            let (force, moment) = (load.outer.force.at(lane), load.outer.moment.at(lane));
-            let (inner, spindle) = on_inner(motion.azimuth, &frames.at(lane), &load.inner.at(lane));
-            let (pocket, [cage_force, cage_moment]) =
-                on_pocket(motion.azimuth, &pose.motion.tilt, places.at(lane), &in_pocket.at(lane));
-            let surroundings =
-                Wrench { force: [0.0, 0.0, drag_force[lane]], moment: scale(-churning_factor[lane], motion.spin) };
-            let wrench = inner.and(Wrench { force, moment }).and(pocket).and(surroundings);
-            balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
-            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.at(lane), wrench, shaft));
+        let loads = BallLoads {
+            frames: &frames,
+            raceway: &load,
+            pocket: &in_pocket,
+            places: &places,
+            drag: &drag_force,
+            churning_factor: &churning_factor,
+        };
+        match m.unequal_bodies(first) {
+            None => self.respond::<F>(state, border, &loads, one.body, balls),
+            Some(bodies) => self.respond::<F>(state, border, &loads, *bodies, balls),
         }
         if let Some(watch) = watch {
             for lane in 0..LANES.min(m.layout.balls - first) {
@@ -252,6 +256,40 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
         }
+    }
+
+    /// Writes the rates of balls of some size and mass under their loads, and their reactions.
+    #[inline(always)]
+    fn respond<F: ContactFrame>(
+        &self,
+        state: &BallState<Lanes>,
+        border: &Border,
+        loads: &BallLoads<F>,
+        bodies: impl Bodies,
+        balls: &mut Balls,
+    ) {
+        let (one, Border { pose, shaft, .. }) = (self.one, *border);
+        for lane in 0..LANES {
+            let motion = balls.motion.at(lane);
+            let outer = loads.raceway.outer.at(lane);
+            let (inner, spindle) = on_inner(motion.azimuth, &loads.frames.at(lane), &loads.raceway.inner.at(lane));
+            let (pocket, [cage_force, cage_moment]) =
+                on_pocket(motion.azimuth, &pose.motion.tilt, loads.places.at(lane), &loads.pocket.at(lane));
+            let surroundings = Wrench {
+                force: [0.0, 0.0, loads.drag[lane]],
+                moment: scale(-loads.churning_factor[lane], motion.spin),
+            };
+            let outer = Wrench { force: outer.force, moment: outer.moment };
+            let wrench = inner.and(outer).and(pocket).and(surroundings);
+            balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.of(lane), wrench, shaft));
+        }
+    }
+
+    /// Returns true where contacts need nothing of the balls but their motion.
+    #[inline(always)]
+    fn has_nominal_spheres(&self) -> bool {
+        !self.mechanism.layout.attitude && self.mechanism.has_equal_balls()
     }
 
     /// Refers azimuths on the inner raceway to its own axis, where it is not a circle.
@@ -290,8 +328,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, motion);
             places.put(lane, place);
         }
-        if m.largest_oversize.is_some() {
-            relative.oversize = m.bodies[first / LANES].oversize;
+        if let Some(bodies) = m.unequal_bodies(first) {
+            relative.oversize = bodies.oversize;
         }
         match slopes {
             None => m.pocket.loads(&relative, load),
@@ -326,15 +364,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         self.turn_azimuths::<F>(&frames, &mut relative);
         self.mechanism.raceway.inner.place_in_groove(&mut relative);
-        if self.mechanism.largest_oversize.is_some() {
-            relative.oversize = self.mechanism.bodies[first / LANES].oversize;
-        }
         let mut load = RacewayLoad::<Lanes>::default();
-        let on_balls = attitude.as_ref().map(|[attitude, _]| {
-            let poses = self.poses(first, attitude, shaft);
-            self.on_balls_at_inner::<F>(first, &poses, &relative, &frames)
-        });
-        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, on_balls.as_ref(), &mut load, self.instructions);
+        let of_balls;
+        let on_balls = match self.has_nominal_spheres() {
+            true => None,
+            false => {
+                of_balls = self.on_balls_at_inner::<F>(first, attitude.as_ref(), &relative, &frames, shaft);
+                Some(&of_balls)
+            }
+        };
+        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, on_balls, &mut load, self.instructions);
         let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
         for lane in 0..LANES {
             let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
@@ -374,12 +413,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         motion: &BallMotion<Lanes>,
         wrench: &Wrench<Lanes>,
     ) -> BallState<Lanes> {
-        let (one, bodies) = (self.one, self.mechanism.bodies[first / LANES]);
-        let mut response = BallState::<Lanes>::default();
-        for lane in 0..LANES {
-            response.put(lane, one.response(&motion.at(lane), &bodies.at(lane), wrench.at(lane)));
+        match self.mechanism.unequal_bodies(first) {
+            None => self.one.responses(motion, self.one.body, wrench),
+            Some(bodies) => self.one.responses(motion, *bodies, wrench),
         }
-        response
     }
 
     #[inline(always)]

@@ -3,7 +3,8 @@
 use super::border::{CagePose, Shaft};
 use super::contact_frame::ContactFrame;
 use super::forces::Wrench;
-use crate::physics::ball::{BallAcceleration, BallBody, BallMotion};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::physics::ball::{BallAcceleration, BallBody, BallMotion, Bodies};
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
@@ -18,6 +19,8 @@ pub(super) struct OneBall {
     pub orbit_ratio: f64,
     pub spin_ratio: f64,
     pub gravity: f64,
+    /// A nominal ball.
+    pub body: BallBody,
     /// Axial displacement at which the spindle is held [m].
     pub axial_offset: f64,
     /// Centre of the first pocket, in the orbit frame of the cage.
@@ -53,7 +56,6 @@ impl OneBall {
             raceway_speed: 0.0,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
-            oversize: 0.0,
         }
     }
 
@@ -80,7 +82,6 @@ impl OneBall {
             raceway_speed: speed,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
-            oversize: 0.0,
         };
         (relative, frame)
     }
@@ -128,7 +129,22 @@ impl OneBall {
         }
     }
 
-    /// Rates caused by force and moment alone.
+    /// Rates of balls side by side caused by forces and moments alone.
+    #[inline(always)]
+    pub(super) fn responses(
+        self,
+        motion: &BallMotion<Lanes>,
+        bodies: impl Bodies,
+        wrench: &Wrench<Lanes>,
+    ) -> BallState<Lanes> {
+        let mut responses = BallState::<Lanes>::default();
+        for lane in 0..LANES {
+            responses.put(lane, self.response(&motion.at(lane), &bodies.of(lane), wrench.at(lane)));
+        }
+        responses
+    }
+
+    /// Rates of one ball caused by force and moment alone.
     #[inline(always)]
     pub(super) fn response(&self, motion: &BallMotion, body: &BallBody, wrench: Wrench) -> BallState {
         let still = BallMotion { orbit_speed: 0.0, ..*motion };

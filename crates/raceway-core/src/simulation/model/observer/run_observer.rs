@@ -331,17 +331,19 @@ impl<'m> Observer<'m> {
     fn gather_speeds(&mut self, time: f64) -> f64 {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
-        let balls = m.layout.balls;
+        // A copy, so that the compiler knows that no store in the loop changes it.
+        let layout = m.layout;
+        let balls = layout.balls;
         let (mut orbit, mut spin) = (0.0, 0.0);
         for ball in 0..balls {
-            let state = m.layout.ball(&self.state, ball);
+            let state = layout.ball(&self.state, ball);
             orbit += state.arc_velocity / balls as f64;
             // Spin in the orbit frame, about the axis that the contact angle tilts.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             if self.slips {
                 let loaded = LoadedBall {
                     orbit_radius: m.pitch_radius + state.radial,
-                    ball_radius: m.ball_radius + m.start_and_oversize(ball).1,
+                    ball_radius: m.ball_radius + m.oversize(ball),
                     angle: self.snapshot.angle[ball],
                 };
                 let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
