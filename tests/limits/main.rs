@@ -6,6 +6,7 @@ mod article_run;
 mod scenes;
 
 mod ball_surfaces;
+mod condensed_defects;
 mod contact_points;
 mod defects;
 mod dissipation;

@@ -80,6 +80,16 @@ pub fn defects(across_mm: f64) -> Value {
     })
 }
 
+/// Surfaces with defects that carry the balls of the article's case.
+pub fn carrying_defects() -> Value {
+    json!({
+        "surfaces": {
+            "inner": { "defects": [{ "azimuth_deg": 10, "length_mm": 0.3, "depth_um": 1, "shape": "half_sine" }] },
+            "outer": { "defects": [{ "azimuth_deg": 2, "length_mm": 0.5, "width_mm": 0.4, "depth_um": 1 }] }
+        }
+    })
+}
+
 pub fn scene(json: &Value) -> Scene {
     scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
 }

@@ -1,5 +1,6 @@
 //! Applicability of the radially condensed model to a scene and its outputs.
 
+use super::carried_balls::ball_leaves;
 use crate::physics::cage::PocketFilm;
 use crate::physics::spindle::AxialHold;
 use crate::simulation::input::channel::{Axis, Channel};
@@ -12,8 +13,10 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
-    if scene.surfaces.have_defects() {
-        Some(Inapplicable::Defects)
+    if scene.surfaces.balls_have_defects() {
+        Some(Inapplicable::BallDefects)
+    } else if scene.surfaces.push_along_axis() {
+        Some(Inapplicable::DefectBesideBottom)
     } else if scene.surfaces.have_axial_waves() {
         Some(Inapplicable::AxialWaves)
     } else if scene.operation.load[0] != 0.0 {
@@ -39,6 +42,6 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
     } else if outputs.spectra.iter().chain(&outputs.series).any(along_x) {
         Some(Inapplicable::ChannelAlongX)
     } else {
-        None
+        ball_leaves(scene, outputs)
     }
 }
