@@ -7,6 +7,7 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
+use super::resonance::ResonanceAnswer;
 use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::settings::Outputs;
@@ -46,6 +47,10 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub envelope_lines: Option<Vec<LineAnswer>>,
+    /// Resonances of the spindle on its loaded contacts, which impacts excite, the lowest first; absent where all raceways are ideal circles and
+    /// all balls are alike (metrics `vibration`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub resonances: Vec<ResonanceAnswer>,
     /// The solver that ran, and its work.
     pub solver: SolverAnswer,
     /// Estimated errors of the result.
@@ -262,6 +267,7 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: lines(&summary.lines),
             envelope_lines: lines(&summary.envelope_lines),
+            resonances: summary.resonances.iter().map(ResonanceAnswer::from).collect(),
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
             accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
                 .with_slip_of(summary.cage.as_ref().and_then(|cage| cage.slip)),

@@ -17,6 +17,7 @@ pub mod uncertainty;
 pub mod failure;
 
 pub mod resolve;
+pub mod resonance;
 pub mod surfaces;
 pub mod unit_warnings;
 

@@ -55,7 +55,7 @@ impl MetricsPart {
 pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
 const MAX_CHANNELS: usize = 64;
 /// Limits of the band whose envelope is analysed [Hz].
-const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
+pub const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
 impl OutputsInput {

@@ -206,8 +206,8 @@ fn short_spectra_of_waves_have_a_warning() {
             "surfaces": { "outer": { "waviness": [{ "order": 10, "amplitude_nm": amplitude }] } }
         } });
         let job = parse_job(request.to_string().as_bytes()).unwrap();
-        let warnings = serde_json::to_value(resolve_answer(&job)).unwrap()["warnings"].clone();
-        let of_time = warnings.as_array().unwrap().iter().filter(|one| one["pointer"] == "/duration_s").count();
+        let messages = serde_json::to_value(resolve_answer(&job)).unwrap()["messages"].clone();
+        let of_time = messages.as_array().unwrap().iter().filter(|one| one["code"] == "merged-cage-lines").count();
         let Job::Simulation(simulation) = job else { panic!("no simulation") };
         (simulation.settings.outputs.longest_window, of_time)
     };

@@ -335,6 +335,8 @@ pub struct SortedWaves {
     pub kept: Vec<KeptWave>,
     /// In the order of the waves.
     pub left_out: Vec<(u32, Omission)>,
+    /// Mean square of the heights that averaging removes from all waves [m²]: what is short beside the contact.
+    pub removed_square: f64,
 }
 
 /// Highest order over that of the first zero of the averaging [-]: beyond, less than 0.11 of a wave is left.
@@ -381,13 +383,11 @@ impl AveragingContact {
     pub(crate) fn sorted_waves(&self, waves: impl Iterator<Item = Wave>) -> SortedWaves {
         let mut sorted = SortedWaves::default();
         for wave in waves {
+            let share = self.share(wave.order);
+            sorted.removed_square += 0.5 * wave.amplitude * wave.amplitude * (1.0 - share * share);
             match self.omission(wave.order) {
                 Some(omission) => sorted.left_out.push((wave.order, omission)),
-                None => sorted.kept.push(KeptWave {
-                    wave,
-                    share: self.share(wave.order),
-                    frequency: f64::from(wave.order) * self.turns,
-                }),
+                None => sorted.kept.push(KeptWave { wave, share, frequency: f64::from(wave.order) * self.turns }),
             }
         }
         sorted

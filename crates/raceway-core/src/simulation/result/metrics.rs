@@ -14,6 +14,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
+use crate::simulation::model::contact_resonance::ContactResonance;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
@@ -123,6 +124,8 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     /// Lines of the envelopes of accelerations, likewise.
     pub envelope_lines: Vec<(Channel, Line)>,
+    /// Of the spindle on its contacts; empty on ideal raceways and equal balls.
+    pub resonances: Vec<ContactResonance>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
 }

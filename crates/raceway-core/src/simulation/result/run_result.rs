@@ -4,6 +4,7 @@ use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
+use crate::simulation::model::contact_resonance::contact_resonances;
 use crate::simulation::model::terms::LeftOut;
 use crate::simulation::recording::plot_data::{Impact, PlotData};
 use crate::simulation::recording::record::Recording;
@@ -60,6 +61,10 @@ impl RunResult {
             frequencies,
             lines: lines(Spectra::Amplitude),
             envelope_lines: lines(Spectra::Envelope),
+            resonances: match outputs.vibration && !scene.surfaces.are_ideal() {
+                true => contact_resonances(mechanism, scene.operating_speed()),
+                false => Vec::new(),
+            },
             solver,
             accuracy,
         };

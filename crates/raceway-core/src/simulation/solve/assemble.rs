@@ -28,6 +28,7 @@ use crate::simulation::solve::eligibility::active_terms;
 use crate::simulation::solve::judge::large_errors;
 use crate::simulation::solve::plan::Candidate;
 use crate::simulation::solve::startup::{self, InitialState};
+use crate::simulation::solve::surface_warnings::surface_warnings;
 use crate::simulation::solve::verification::or_failure;
 use crate::simulation::solve::verify_planar::with_omitted_tilt;
 
@@ -91,6 +92,7 @@ pub(crate) fn assemble(
         strips: attempt.strips,
     };
     let mechanism = Mechanism::new(scene, &terms);
+    report.warnings.extend(surface_warnings(scene, &mechanism, settings));
     let account = Provenance { solver, accuracy: report, left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &attempt.recording, account))
 }

@@ -1,6 +1,6 @@
 //! The minimum of the potential of raceway contacts, applied loads, gravity and centrifugal force over the places of spindle and balls.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3};
 
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
@@ -36,6 +36,14 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
         }
     }
     Ok(rest)
+}
+
+/// Stiffness of the spindle on its balls about the equilibrium at a spindle speed [rad/s], along X, Y, Z [N/m]. Balls follow the spindle without
+/// inertia. Held directions are 0.
+pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f64>, SimulationError> {
+    let mut search = Search::new(mechanism, speed);
+    search.minimise()?;
+    Ok(search.condensed_stiffness())
 }
 
 /// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
@@ -227,6 +235,32 @@ impl<'a> Search<'a> {
             }
         }
         (gradient, hessian)
+    }
+
+    /// Stiffness of the free directions of the spindle with balls in equilibrium: the Schur complement of the balls' blocks.
+    fn condensed_stiffness(&self) -> Matrix3<f64> {
+        let (_, hessian) = self.slopes(&self.place);
+        let border = 2 * self.azimuths.len();
+        let mut stiffness = Matrix3::zeros();
+        for (i, &row) in self.free.iter().enumerate() {
+            for (j, &column) in self.free.iter().enumerate() {
+                stiffness[(row, column)] = hessian[(border + i, border + j)];
+            }
+        }
+        for ball in 0..self.azimuths.len() {
+            let block: Matrix2<f64> = hessian.fixed_view::<2, 2>(2 * ball, 2 * ball).into_owned();
+            let mut coupling = Matrix2x3::zeros();
+            for (i, &direction) in self.free.iter().enumerate() {
+                coupling.set_column(direction, &hessian.fixed_view::<2, 1>(2 * ball, border + i));
+            }
+            // A ball that the spindle does not touch has no coupling.
+            if coupling != Matrix2x3::zeros()
+                && let Some(compliance) = block.try_inverse()
+            {
+                stiffness -= coupling.transpose() * compliance * coupling;
+            }
+        }
+        stiffness
     }
 
     fn minimise(&mut self) -> Result<(), SimulationError> {
