@@ -16,6 +16,7 @@ pub mod uncertainty;
 
 pub mod failure;
 
+pub mod envelope;
 pub mod resolve;
 pub mod resonance;
 pub mod surfaces;

@@ -7,7 +7,7 @@ use super::candidates::{cause_text, gap_text};
 use super::words::{field, listed, numbers, signed, time};
 use crate::contract::answer::resonance::envelope_band;
 use crate::contract::json::numbers::significant;
-use crate::contract::json::units::NM;
+use crate::contract::json::units::{DEG, NM};
 use raceway_core::simulation::error::codes::{SurfacePart, Uncertainty, Warning};
 use raceway_core::simulation::error::comparison::SILENCE;
 use raceway_core::simulation::input::channel::Channel;
@@ -195,6 +195,17 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
                 significant(film, 3)
             );
             (MessageCode::RoughContact, text, numbers(&[("roughness_nm", roughness), ("film_nm", film)]))
+        }
+        Warning::TrackOffEquator { ball, latitude, order } => {
+            let degrees = DEG.to_user(*latitude);
+            let text = format!(
+                "Ball {ball} rolls {}° beside its equator, where its waves fade: orders above {order} are more than 1 dB weaker than given. Give \
+                 lower orders, or reduce tilt and axial load.",
+                significant(degrees, 2)
+            );
+            let mut values = numbers(&[("latitude_deg", degrees)]);
+            values.extend([("ball", json!(ball)), ("order", json!(order))]);
+            (MessageCode::TrackOffEquator, text, values)
         }
         Warning::MergedCageLines { cage, window, required, longest } => {
             let remedy = if required <= longest {

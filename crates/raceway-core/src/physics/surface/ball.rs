@@ -178,8 +178,7 @@ pub(super) fn check_pockets(balls: &[GivenBall], surfaces: &[BallSurface], clear
         if *diameter_deviation >= clearance {
             let (ball, by, clearance) = (index + 1, 1e6 * diameter_deviation, 1e6 * clearance);
             let reason = format!("ball {ball} is {by:.4} µm larger than nominal, its pocket leaves {clearance:.4} µm");
-            let is_larger =
-                |given: &GivenBall| given.ball as usize == ball && given.surface.diameter_deviation > 0.0;
+            let is_larger = |given: &GivenBall| given.ball as usize == ball && given.surface.diameter_deviation > 0.0;
             match balls.iter().position(is_larger) {
                 Some(item) => faults.inconsistent_item(DEVIATION, &[item], reason),
                 None => faults.inconsistent("surfaces.every_ball.diameter_spread", reason),

@@ -250,9 +250,8 @@ impl RacewaySurface {
             }
             if let Some(width) = defect.width.filter(|width| defect.across.abs() - 0.5 * width >= 0.5 * ball_diameter) {
                 let (across, width, most) = (1e3 * defect.across, 1e3 * width, 5e2 * ball_diameter);
-                let reason = format!(
-                    "{across} mm with a width of {width} mm: no ball touches the groove beyond {most:.4} mm"
-                );
+                let reason =
+                    format!("{across} mm with a width of {width} mm: no ball touches the groove beyond {most:.4} mm");
                 faults.inconsistent_item(names.defect[4], &[index], reason);
             }
             let is_other = |(_, other): &(usize, &Defect)| defect.overlaps(other, radius);

@@ -175,6 +175,8 @@ pub enum Warning {
     BridgedTroughs { part: SurfacePart, order: u32, amplitude: f64, largest: f64 },
     /// Heights within the contact on a raceway, rms, exceed the minimum film [m].
     RoughContact { part: SurfacePart, roughness: f64, film: f64 },
+    /// The contacts of a ball run at a latitude of it [rad]: waves above this order lose more than a warned error there.
+    TrackOffEquator { ball: usize, latitude: f64, order: u32 },
     /// Spectra over a window [s] do not separate lines that differ by the cage speed [Hz]. A window is at most `longest` [s].
     MergedCageLines { cage: f64, window: f64, required: f64, longest: f64 },
 }

@@ -1,12 +1,14 @@
 //! Limits of what a run can say about waves and defects, known before it: the envelope's band, troughs that a ball bridges, roughness beside the
 //! film, and lines that the spectra do not separate.
 
+use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::{FilmConditions, minimum_film_thickness};
 use crate::physics::frames::Vector;
 use crate::physics::kinematics::ideal_frequencies;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::surface::waviness::{KeptWave, SortedWaves};
 use crate::simulation::error::codes::{SurfacePart, Warning};
+use crate::simulation::error::thresholds::WARNED_ERROR_DB;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
@@ -15,6 +17,7 @@ use crate::simulation::model::equilibrium::equilibrium;
 use crate::simulation::model::surfaces::{
     AveragedBall, AveragedSurface, averaged_balls, averaged_surfaces, ball_loads_at,
 };
+use crate::simulation::recording::ball_tracks::BallTrack;
 
 /// Width of a line of a Hann spectrum over its resolution [-]: two lines so far apart are separate.
 const HANN_LINE_BINS: f64 = 4.0;
@@ -33,6 +36,24 @@ pub fn surface_warnings(scene: &Scene, ideal: &Mechanism, settings: &RunSettings
     found.extend(merged_cage_lines(scene, settings));
     found.extend(missed_resonance(scene, ideal, settings));
     found
+}
+
+/// A ball whose contacts run beside its equator, where cos^n of a wave of order n is left, by more than a warned error of the highest wave.
+pub(crate) fn track_off_equator(scene: &Scene, ideal: &Mechanism, tracks: &[BallTrack]) -> Option<Warning> {
+    let balls = averaged_balls(ideal, scene);
+    let of_ball = |(index, (ball, track)): (usize, (&PerRaceway<AveragedBall>, &BallTrack))| {
+        let kept = ball.inner.waves.kept.iter().chain(&ball.outer.waves.kept);
+        let highest = kept.map(|kept| kept.wave.order).max()?;
+        // cos^n λ = 10^(−dB/20)
+        let order = (WARNED_ERROR_DB / 20.0 * std::f64::consts::LN_10) / -track.latitude.cos().ln();
+        let latitude = track.latitude;
+        (f64::from(highest) > order).then(|| Warning::TrackOffEquator {
+            ball: index + 1,
+            latitude,
+            order: order as u32,
+        })
+    };
+    balls.iter().zip(tracks).enumerate().find_map(of_ball)
 }
 
 /// A raceway with its contact and the surface as the contact averages it.
@@ -83,14 +104,14 @@ fn merged_cage_lines(scene: &Scene, settings: &RunSettings) -> Option<Warning> {
     let cage = ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
     let longest = settings.outputs.longest_window;
     let window = settings.duration.min(longest);
-    let is_short = !settings.outputs.spectra.is_empty() && cage > 0.0 && cage * window < HANN_LINE_BINS;
+    let is_short = settings.outputs.have_spectra() && cage > 0.0 && cage * window < HANN_LINE_BINS;
     is_short.then_some(Warning::MergedCageLines { cage, window, required: HANN_LINE_BINS / cage, longest })
 }
 
 /// A band of the envelope without the resonance that a defect excites most.
 fn missed_resonance(scene: &Scene, ideal: &Mechanism, settings: &RunSettings) -> Option<Warning> {
     let directions = struck_directions(scene, ideal);
-    if settings.outputs.spectra.is_empty() || directions.is_empty() {
+    if !settings.outputs.have_spectra() || directions.is_empty() {
         return None;
     }
     let resonances = contact_resonances(ideal, scene.operating_speed());
