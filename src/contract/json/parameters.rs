@@ -147,7 +147,7 @@ const FIELDS: [(&str, &str, Unit); 136] = [
 ];
 
 /// Parameter, field under `/scene` and the field's unit. Where a parameter has several fields, its errors point to the first;
-/// indices of lists are omitted.
+/// places in lists are omitted.
 pub fn fields() -> impl Iterator<Item = (&'static str, &'static str, Unit)> {
     FIELDS.iter().copied()
 }
@@ -165,5 +165,22 @@ pub fn field_error(error: &InvalidParameter) -> FieldError {
         }
         InvalidParameter::Inconsistent { reason, .. } => reason.clone(),
     };
-    FieldError::new(format!("/scene{pointer}"), detail)
+    let items: &[usize] = match error {
+        InvalidParameter::Inconsistent { items, .. } => items,
+        InvalidParameter::OutOfRange { .. } => &[],
+    };
+    FieldError::new(format!("/scene{}", with_items(pointer, items)), detail)
+}
+
+/// Lists of the scene whose items are objects.
+const LISTS: [&str; 4] = ["waviness", "axial_waviness", "defects", "balls"];
+
+/// A pointer with the places of items behind the lists on its path.
+fn with_items(pointer: &str, items: &[usize]) -> String {
+    let mut items = items.iter();
+    let with_item = |token: &str| match LISTS.contains(&token).then(|| items.next()).flatten() {
+        Some(item) => format!("{token}/{item}"),
+        None => token.to_owned(),
+    };
+    pointer.split('/').map(with_item).collect::<Vec<_>>().join("/")
 }

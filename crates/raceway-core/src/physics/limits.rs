@@ -135,9 +135,10 @@ pub enum InvalidParameter {
     /// Outside `lowest ..= highest` (infinite: no limit; `exclusive`: the lowest itself is refused). SI.
     #[error("{parameter} = {value} must lie in {lowest} … {highest}")]
     OutOfRange { parameter: &'static str, value: f64, lowest: f64, highest: f64, exclusive: bool },
-    /// Each value is allowed by itself, but no bearing has all of them together.
+    /// Each value is allowed by itself, but no bearing has all of them together. `items`: the place in each list on the path, from the
+    /// outermost; empty where the whole list is meant.
     #[error("{parameter}: {reason}")]
-    Inconsistent { parameter: &'static str, reason: String },
+    Inconsistent { parameter: &'static str, items: Vec<usize>, reason: String },
 }
 
 /// Faults of the parameters of an object to be built.
@@ -159,7 +160,12 @@ impl Faults {
 
     /// Records values that are allowed individually but not together.
     pub(crate) fn inconsistent(&mut self, parameter: &'static str, reason: String) {
-        self.0.push(InvalidParameter::Inconsistent { parameter, reason });
+        self.inconsistent_item(parameter, &[], reason);
+    }
+
+    /// The same of items of lists.
+    pub(crate) fn inconsistent_item(&mut self, parameter: &'static str, items: &[usize], reason: String) {
+        self.0.push(InvalidParameter::Inconsistent { parameter, items: items.to_vec(), reason });
     }
 
     /// Records the faults of a part.

@@ -3,7 +3,7 @@
 
 mod search;
 
-pub use search::{Equilibrium, equilibrium};
+pub use search::{Equilibrium, equilibrium, spindle_stiffness};
 
 use crate::physics::operation::InitialPerturbation;
 use crate::physics::raceway::RacewayContact;

@@ -1,5 +1,7 @@
 //! The minimum of the potential of raceway contacts, applied loads, gravity and centrifugal force over the places of spindle and balls.
 
+use nalgebra::Matrix3;
+
 use crate::numerics::bordered::Bordered;
 use crate::numerics::minimum::{Potential, Search, Slopes};
 use crate::physics::bearing::PerRaceway;
@@ -35,6 +37,20 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
         }
     }
     Ok(rest)
+}
+
+/// Stiffness of the spindle on its balls about the equilibrium at a spindle speed [rad/s], along X, Y, Z [N/m]. Balls follow the spindle without
+/// inertia. Held directions are 0.
+pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f64>, SimulationError> {
+    let potential = RacewayPotential::new(mechanism, speed);
+    let condensed = potential.slopes(&potential.minimum()?).hessian.condensed();
+    let mut stiffness = Matrix3::zeros();
+    for (row, &direction) in potential.free.iter().enumerate() {
+        for (column, &other) in potential.free.iter().enumerate() {
+            stiffness[(direction, other)] = condensed[row][column];
+        }
+    }
+    Ok(stiffness)
 }
 
 /// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
