@@ -2,6 +2,7 @@
 //! Imports none of the other rooms.
 
 pub(crate) mod angle;
+pub(crate) mod banded;
 pub(crate) mod decimation;
 pub mod elliptic;
 pub(crate) mod exponential;
@@ -10,6 +11,7 @@ pub mod lanes;
 pub mod ode;
 pub mod parallel;
 pub(crate) mod periodic;
+pub(crate) mod quadratic_eigen;
 pub(crate) mod random;
 pub mod roots;
 pub mod rounding;
