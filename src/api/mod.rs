@@ -46,6 +46,7 @@ mod jobs;
 mod plots;
 mod portal;
 mod results;
+mod rotor;
 mod scenes;
 mod studies;
 

@@ -34,7 +34,8 @@ pub async fn resolve(
     JsonBody(body): JsonBody,
 ) -> Result<Json<ResolveAnswer>, ApiError> {
     negotiated(&headers, &["application/json"])?;
-    let resolved = tokio::task::spawn_blocking(move || Ok(resolve_answer(&parse_scene_request(&body)?)));
+    let resolved =
+        tokio::task::spawn_blocking(move || resolve_answer(&parse_scene_request(&body)?).ok_or(ApiError::Internal));
     Ok(Json(resolved.await.unwrap_or(Err(ApiError::Internal))?))
 }
 

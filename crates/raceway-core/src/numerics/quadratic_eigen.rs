@@ -38,23 +38,39 @@ pub fn oscillations(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<
     let values = Schur::try_new(state, f64::EPSILON, most_sweeps)?.complex_eigenvalues();
     let mut values: Vec<_> = values.iter().copied().filter(|value| value.im > OSCILLATES * value.norm()).collect();
     values.sort_by(|a, b| a.im.total_cmp(&b.im));
-    Some(with_vectors(&values, stiffness, damping))
+    with_vectors(&values, &factor, stiffness, damping)
 }
 
-/// The oscillations of eigenvalues: null vectors of T(λ), for equal eigenvalues orthogonal ones.
-fn with_vectors(values: &[Complex<f64>], stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Vec<Oscillation> {
+/// The oscillations of eigenvalues: null vectors of T(λ), for equal eigenvalues orthogonal ones. They are sought as L⁻ᵀ p with
+/// L⁻¹ T(λ) L⁻ᵀ p = 0, whose entries are of one size however stiff the stiffest motion is.
+fn with_vectors(
+    values: &[Complex<f64>],
+    factor: &DMatrix<f64>,
+    stiffness: &DMatrix<f64>,
+    damping: &DMatrix<f64>,
+) -> Option<Vec<Oscillation>> {
+    let size = factor.nrows();
+    let scaled = |matrix: &DMatrix<f64>| {
+        factor.solve_lower_triangular(&factor.solve_lower_triangular(matrix)?.transpose()).map(|both| both.transpose())
+    };
+    let inertia = scaled(&DMatrix::identity(size, size))?;
+    let (stiffness, damping) = (scaled(stiffness)?, scaled(damping)?);
     let mut found: Vec<Oscillation> = Vec::with_capacity(values.len());
     for value in values {
         // One of several equal values is the next singular vector.
         let equal = found.iter().rev().take_while(|other| (other.value - value).norm() < 1e-8 * value.norm()).count();
-        let svd = dynamic_stiffness(*value, stiffness, damping).svd(false, true);
-        let Some(right) = svd.v_t else { continue };
-        let mut order: Vec<usize> = (0..right.nrows()).collect();
+        let matrix = DMatrix::from_fn(size, size, |row, column| {
+            value * value * inertia[(row, column)] + value * damping[(row, column)] + stiffness[(row, column)]
+        });
+        let svd = matrix.svd(false, true);
+        let right = svd.v_t?;
+        let mut order: Vec<usize> = (0..size).collect();
         order.sort_by(|a, b| svd.singular_values[*a].total_cmp(&svd.singular_values[*b]));
-        let vector = right.row(order[equal.min(order.len() - 1)]).adjoint();
-        found.push(Oscillation { value: *value, vector });
+        let of_scaled = right.row(order[equal.min(size - 1)]).adjoint();
+        let vector = factor.map(Complex::from).ad_solve_lower_triangular(&of_scaled)?;
+        found.push(Oscillation { value: *value, vector: vector.unscale(vector.norm()) });
     }
-    found
+    Some(found)
 }
 
 /// T(λ) = λ² + λ C + K.

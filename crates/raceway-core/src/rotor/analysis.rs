@@ -8,19 +8,20 @@ use super::deflection::deflection;
 use super::input::{Elements, Request, Rotor, RotorError};
 use super::result::{Critical, ModeCourse, RotorResult, StationResponse, SupportForces};
 use super::shape::{displacements, mode, point};
-use super::system::System;
+use super::system::{Port, System};
 use super::unbalance::response;
 use crate::physics::frame::mesh::Mesh;
+use crate::physics::frame::support::Support;
 
 /// Change of a kept frequency, by halving the elements, below which a mesh is fine enough [-].
 const CONVERGED: f64 = 1e-4;
 /// Elements of the first mesh, and the most of any.
 const FIRST_ELEMENTS: f64 = 16.0;
 const MOST_ELEMENTS: usize = 800;
-/// Free modes are kept up to this multiple of the highest asked-for frequency [-], and at least four more in each plane than
-/// frequencies are asked for. With residual vectors the error of a frequency is then below 10⁻⁶ (two rotors of the tests).
+/// Free modes are kept up to this multiple of the highest asked-for frequency [-], and at least two more in each plane than half of
+/// the asked-for frequencies. With residual vectors the error of a frequency is then below 10⁻⁷ (two rotors of the tests).
 const RANGE: f64 = 3.0;
-const MORE_MODES: usize = 4;
+const MORE_MODES: usize = 2;
 
 /// Analyses a rotor.
 pub fn analyse(rotor: &Rotor, request: &Request) -> Result<RotorResult, RotorError> {
@@ -92,7 +93,7 @@ fn system(rotor: &Rotor, request: &Request) -> Result<System, RotorError> {
 /// Matrices on a mesh with enough free modes, and the asked-for angular frequencies at rest [rad/s].
 fn on_mesh(rotor: &Rotor, longest: f64, modes: usize) -> Result<(System, Vec<f64>), RotorError> {
     let mesh = Mesh::new(&rotor.shaft, &stations(rotor), longest);
-    let mut count = modes + MORE_MODES;
+    let mut count = modes.div_ceil(2) + MORE_MODES;
     loop {
         let system = System::of(rotor, mesh.clone(), count)?;
         let oscillations = system.oscillations(0.0)?;
@@ -122,7 +123,7 @@ fn support_forces(
     speeds: &[f64],
     responses: &[DVector<Complex<f64>>],
 ) -> Vec<SupportForces> {
-    let of_port = |(port, support): (&super::system::Port, &crate::physics::frame::support::Support)| {
+    let of_port = |(port, support): (&Port, &Support)| {
         let at_rest = &port.stiffness * (&port.rows * rest);
         let dynamic = responses.iter().zip(speeds).map(|(response, speed)| {
             let impedance = port.stiffness.map(Complex::from) + port.damping.map(|c| Complex::new(0.0, speed * c));

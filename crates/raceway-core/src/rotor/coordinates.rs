@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::input::{Rotor, RotorError};
-use crate::physics::frame::mesh::Mesh;
+use crate::physics::frame::mesh::{Matrices, Mesh};
 use crate::physics::frame::modes::FreeModes;
 use crate::physics::frame::support::{PORT, PortMatrix};
 
@@ -18,14 +18,19 @@ pub struct Coordinates {
 }
 
 impl Coordinates {
-    /// At most `count` flexible modes in each plane.
+    /// At most `count` flexible modes in each plane, and the static answers to supports, loads and gyroscopic moments.
     pub fn of(rotor: &Rotor, mesh: Mesh, count: usize) -> Result<Self, RotorError> {
-        let Loads { axial, bending } = Loads::of(rotor, &mesh);
-        let bending = FreeModes::of(&mesh.bending, count, &bending).ok_or(RotorError::Singular)?;
+        let Loads { axial: along, bending: mut across } = Loads::of(rotor, &mesh);
         let axial = match rotor.shaft.is_axially_free {
-            true => Some(FreeModes::of(&mesh.axial, count, &axial).ok_or(RotorError::Singular)?),
+            true => Some(modes(&mesh.axial, count, |_| along)?),
             false => None,
         };
+        let bending = modes(&mesh.bending, count, |modes| {
+            // Gyroscopic moments of the lower half of the modes, rotation included.
+            let turning = modes.shapes[1..].iter().take(count / 2);
+            across.extend(turning.map(|shape| mesh.polar.times(shape)));
+            across
+        })?;
         let polar = bending.projected(&mesh.polar);
         Ok(Self { mesh, axial, bending, polar })
     }
@@ -90,6 +95,17 @@ impl Coordinates {
         forces.extend(across.iter().map(|share| share * force[2]));
         forces
     }
+}
+
+/// Free modes and the residual vectors of loads, which may depend on the modes.
+fn modes(
+    chain: &Matrices,
+    count: usize,
+    loads: impl FnOnce(&FreeModes) -> Vec<Vec<f64>>,
+) -> Result<FreeModes, RotorError> {
+    let free = FreeModes::of(chain, count).ok_or(RotorError::Singular)?;
+    let loads = loads(&free);
+    free.with_residuals(chain, &loads).ok_or(RotorError::Singular)
 }
 
 /// Forces that stand for 1 N along X at a place, by the distance from the two nodes beside it.

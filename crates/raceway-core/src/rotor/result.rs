@@ -1,6 +1,6 @@
 //! Numbers of a rotor analysis, in SI and radians.
 
-use nalgebra::Complex;
+pub use nalgebra::Complex;
 
 /// Everything that a rotor analysis returns.
 #[derive(Debug, Clone, PartialEq)]

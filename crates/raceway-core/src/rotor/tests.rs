@@ -211,18 +211,20 @@ fn overhung_disc_on_a_massless_shaft_has_the_whirls_of_the_closed_form() {
     assert!([392.291, 1619.981].iter().all(|speed| slender.is_critical(*speed, Direction::Backward, 2e-6)));
 
     let disc = Disc { at: 0.2, mass: 3.0, transverse_inertia: 6e-3, axial_inertia: 1.1e-2 };
-    let massless = Material { density: 1e-4, ..STEEL };
+    // A sixteenth of a gram in all, and a clamp that gives by as little: neither exceeds 10⁻⁴ of the frequencies.
+    let massless = Material { density: 1.0, ..STEEL };
     let shaft = Shaft { material: massless, ..shaft(sections(&[(8, 0.025, 0.02, 0.0)]), vec![disc]) };
-    let rotor = rotor(shaft, vec![clamp(0.0)]);
+    let clamp = Support { stiffness: diagonal([0.0, 1e12, 1e12, 1e10, 1e10]), ..clamp(0.0) };
+    let rotor = rotor(shaft, vec![clamp]);
     let result = analysed(&rotor, Elements::Sections, vec![0.0, 500.0, 1000.0, 1500.0, 2000.0], 4);
     let closed = Overhung::new(true);
     for point in result.modes.iter().map(|mode| mode.points[2].unwrap()) {
         let whirl = if point.direction == Direction::Forward { point.frequency } else { -point.frequency };
-        assert!(closed.is_whirl(whirl, 1000.0, 1e-5), "{whirl}");
+        assert!(closed.is_whirl(whirl, 1000.0, 1e-4), "{whirl}");
     }
     let criticals: Vec<(f64, Direction)> =
         result.criticals.iter().map(|critical| (critical.speed, critical.mode.point.direction)).collect();
-    assert!(criticals.iter().all(|(speed, direction)| closed.is_critical(*speed, *direction, 1e-5)), "{criticals:?}");
+    assert!(criticals.iter().all(|(speed, direction)| closed.is_critical(*speed, *direction, 1e-4)), "{criticals:?}");
     let directions: Vec<_> = criticals.iter().map(|critical| critical.1).collect();
     assert_eq!(directions, [Direction::Backward, Direction::Forward, Direction::Backward]);
 }

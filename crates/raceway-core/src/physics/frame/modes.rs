@@ -26,9 +26,9 @@ const CONVERGED: f64 = 1e-9;
 const DEPENDENT: f64 = 1e-10;
 
 impl FreeModes {
-    /// Rigid motions, at most `count` flexible modes, and the residual vectors of `loads`. `None` where the matrices are no chain.
-    pub(crate) fn of(chain: &Matrices, count: usize, loads: &[Vec<f64>]) -> Option<Self> {
-        let factor = chain.stiffness.clone().plus(chain.shift, &chain.mass).cholesky()?;
+    /// Rigid motions and at most `count` flexible modes. `None` where the matrices are no chain.
+    pub(crate) fn of(chain: &Matrices, count: usize) -> Option<Self> {
+        let factor = shifted(chain)?;
         let mut shapes: Vec<Vec<f64>> = Vec::new();
         for motion in &chain.rigid {
             let rest = without(motion.clone(), &shapes, &chain.mass);
@@ -41,12 +41,17 @@ impl FreeModes {
             shapes.push(shape);
         }
         let true_modes = shapes.len();
-        let residuals = residual_vectors(chain, &factor, &shapes, loads);
-        for (square, shape) in uncoupled(&chain.stiffness, residuals) {
-            squares.push(square);
-            shapes.push(shape);
-        }
         Some(Self { squares, shapes, true_modes })
+    }
+
+    /// The same with the residual vectors of these loads.
+    pub(crate) fn with_residuals(mut self, chain: &Matrices, loads: &[Vec<f64>]) -> Option<Self> {
+        let residuals = residual_vectors(chain, &shifted(chain)?, &self.shapes, loads);
+        for (square, shape) in uncoupled(&chain.stiffness, residuals) {
+            self.squares.push(square);
+            self.shapes.push(shape);
+        }
+        Some(self)
     }
 
     pub fn len(&self) -> usize {
@@ -72,6 +77,11 @@ impl FreeModes {
         let products: Vec<Vec<f64>> = self.shapes.iter().map(|shape| matrix.times(shape)).collect();
         DMatrix::from_fn(self.len(), self.len(), |row, column| dot(&self.shapes[row], &products[column]))
     }
+}
+
+/// The factor of K + σ M.
+fn shifted(chain: &Matrices) -> Option<BandFactor> {
+    chain.stiffness.clone().plus(chain.shift, &chain.mass).cholesky()
 }
 
 /// Lowest flexible modes by the method of Lanczos on (K + σ M)⁻¹ M with complete orthogonalization, the rigid motions removed.
