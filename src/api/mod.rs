@@ -48,6 +48,7 @@ mod jobs;
 mod plots;
 mod portal;
 mod results;
+mod rotor;
 mod scenes;
 mod studies;
 

@@ -38,7 +38,7 @@ pub async fn resolve(
 ) -> Result<Json<ResolveAnswer>, ApiError> {
     negotiated(&headers, &["application/json"])?;
     let resolved = computed(&permit, move |_| parse_scene_request(&body).map(|job| resolve_answer(&job)));
-    Ok(Json(resolved.await??))
+    Ok(Json(resolved.await??.ok_or(ApiError::Internal)?))
 }
 
 /// List presets

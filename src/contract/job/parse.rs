@@ -57,7 +57,10 @@ pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
         let detail = "a scene alone: must be an object `{\"scene\": …}`, with this as its field `scene`";
         return Err(FieldError::new("", detail).into());
     }
-    simulation_by_default(request)
+    match simulation_by_default(request)? {
+        Job::Rotor(_) => Err(FieldError::new("/kind", "`rotor` has nothing to resolve: post it to /v1/rotor").into()),
+        job => Ok(job),
+    }
 }
 
 /// Reads a job, `{ "scene": … }` for a simulation of it, or the scene alone.
@@ -83,6 +86,11 @@ pub fn parse_study_request(body: &[u8]) -> Result<Job, Refusal> {
 /// Reads an optimum job, with or without its kind.
 pub fn parse_optimum_request(body: &[u8]) -> Result<Job, Refusal> {
     of_kind(JobKind::Optimum, strict::read(body)?)
+}
+
+/// Reads a rotor job, with or without its kind.
+pub fn parse_rotor_request(body: &[u8]) -> Result<Job, Refusal> {
+    of_kind(JobKind::Rotor, strict::read(body)?)
 }
 
 /// Checks a job of one kind, which the request may omit.

@@ -2,6 +2,7 @@
 //! Imports none of the other rooms.
 
 pub(crate) mod angle;
+pub(crate) mod banded;
 pub(crate) mod bordered;
 pub(crate) mod decimation;
 pub mod elliptic;
@@ -12,6 +13,7 @@ pub(crate) mod minimum;
 pub mod ode;
 pub mod parallel;
 pub(crate) mod periodic;
+pub(crate) mod quadratic_eigen;
 pub(crate) mod random;
 pub mod roots;
 pub mod rounding;

@@ -7,6 +7,7 @@ pub mod cage;
 pub mod contact;
 pub mod defaults;
 pub mod drag;
+pub mod frame;
 pub mod frames;
 pub mod kinematics;
 pub mod land;
