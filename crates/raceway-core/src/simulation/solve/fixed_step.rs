@@ -27,9 +27,11 @@ pub fn is_free(settings: &RunSettings) -> bool {
 }
 
 /// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration. Fast defects need steps
-/// so short that error control takes no longer.
+/// so short that error control takes no longer. The steps know no spindle that tilts.
 pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
-    is_free(settings) && model.mechanism().raceway.inner.is_damped() && first_step(model) >= SHORTEST
+    let mechanism = model.mechanism();
+    let is_stepped = mechanism.raceway.inner.is_damped() && !mechanism.layout.tilting_spindle;
+    is_free(settings) && is_stepped && first_step(model) >= SHORTEST
 }
 
 /// The first step that is tried [s]. It resolves the waves of the raceways and the path over each defect.
