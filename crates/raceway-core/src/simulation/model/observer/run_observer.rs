@@ -392,7 +392,7 @@ impl<'m> Observer<'m> {
     fn pick(&mut self, time: f64) {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
-        let cage = m.layout.cage(&self.state);
+        let (cage, spindle) = (m.layout.cage(&self.state), m.layout.spindle(&self.state));
         for (value, channel) in self.pick.iter_mut().zip(&self.channels) {
             *value = match *channel {
                 Channel::CageDisplacement(axis) => cage.centre[axis as usize],
@@ -405,6 +405,7 @@ impl<'m> Observer<'m> {
                 Channel::BallLoad(ball, BallContact::Inner) => self.snapshot.inner[ball],
                 Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
                 Channel::BallLoad(ball, BallContact::Pocket) => self.snapshot.pocket[ball],
+                Channel::SpindleTilt(axis) => spindle.tilt[usize::from(axis == Axis::Z)],
                 Channel::Spindle(..) => 0.0,
             };
         }
