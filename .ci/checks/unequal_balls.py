@@ -113,7 +113,7 @@ def seconds_to_resolve(running, balls):
 
 
 def case_time_grows_with_the_number_of_balls(running):
-    # 19 where each ball is eliminated by itself, 86 with a dense matrix.
+    # 18 where each ball is eliminated by itself, 54 to 86 with a dense matrix.
     few, many = (seconds_to_resolve(running, balls) for balls in (8, 64))
     verdict(many < 40 * few, f"an equilibrium of 64 balls takes {many / few:.0f} times as long as one of 8: {few:.3f} and {many:.3f} s")
 
