@@ -56,6 +56,12 @@ SCENES = {
     "motor": {"bearing": {"preset": "6205"}, "operation": {"speed_rpm": 9000, "radial_load_y_n": 500}},
     "small": {"bearing": {"preset": "608", "radial_clearance_um": -3}, "operation": {"speed_rpm": 24000, "radial_load_y_n": 20}},
 }
+# Contact angles, by which waves of a groove's place push the spindle aside. A tilted shaft loads the balls unevenly.
+INCLINED = {
+    "thrust": {"bearing": {"preset": "6205"}, "operation": {"speed_rpm": 9000, "axial_load_n": 500}, "spindle": {"axial": "free"}},
+    "tilted": {"bearing": {"preset": "6205"}, "spindle": {"axial": "free"},
+               "operation": {"speed_rpm": 9000, "axial_load_n": 500, "misalignment_mrad": {"y": 1}}},
+}
 # Nothing moves without load, and the level `periodic` resolves no level of silence.
 SILENT, INSTEAD = "preloaded", {"bearing": {"preset": "article-integrated", "radial_clearance_um": -4},
                                 "operation": {"speed_rpm": 20000, "radial_load_y_n": 50}}
@@ -65,13 +71,17 @@ LEVELS = ("full", "planar", "radially_condensed", "spindle_only", "periodic")
 class Source:
     """An imperfection: its fields, its lines (a, m, s) that must be there, and whether a line is one of the general rule."""
 
-    def __init__(self, name, levels, surfaces=None, pockets=None, even_balls=False, needed=None, allowed=None):
-        self.name, self.levels, self.even_balls = name, levels, even_balls
+    def __init__(self, name, levels, surfaces=None, pockets=None, even_balls=False, needed=None, allowed=None, scenes=None):
+        self.name, self.levels, self.even_balls, self.scenes = name, levels, even_balls, scenes or SCENES
         self.surfaces, self.pockets, self.needed, self.allowed = surfaces, pockets, needed, allowed
 
 
 def wave(order):
     return {"waviness": [{"order": order, "amplitude_nm": 10, "phase_deg": 20}]}
+
+
+def axial_wave(order):
+    return {"axial_waviness": [{"order": order, "amplitude_nm": 100, "phase_deg": 20}]}
 
 
 def slot(**fields):
@@ -131,6 +141,12 @@ def sources():
                         allowed=lambda z: lambda a, m, s: a == 0 and abs(s) in (0, 3, 6)))
     found.append(Source("ball defect", LEVELS[:2], ball(defects=[{"diameter_mm": 0.4, "depth_um": 2}]),
                         needed=lambda z, even: [(0, 1, 2), (0, -1, 2)], allowed=lambda z: lambda a, m, s: a == 0))
+    # Of bearings with contact angles, on the level that knows them.
+    for name, of in (("axial wave", axial_wave), ("wave, inclined,", wave)):
+        found.append(Source(f"outer {name} Z + 1", LEVELS[:1], lambda z, of=of: {"outer": of(z + 1)}, scenes=INCLINED,
+                            needed=lambda z, even: [(0, z, 0)], allowed=multiples))
+        found.append(Source(f"inner {name} Z - 1", LEVELS[:1], lambda z, of=of: {"inner": of(z - 1)}, scenes=INCLINED,
+                            needed=lambda z, even: [(z - 1, -z, 0)], allowed=lambda z: passes(z, z - 1)))
     return found
 
 
@@ -300,10 +316,10 @@ def main():
     # One scene of every source comes before the second of any.
     for turn, (number, source) in itertools.product(range(1 if options.short else len(SCENES)), enumerate(wanted)):
         for level in source.levels[-1:] if options.short else source.levels:
-            name = list(SCENES)[(number + turn) % len(SCENES)]
-            if options.level not in level or options.scene not in name:
+            name = list(source.scenes)[(number + turn) % len(source.scenes)]
+            if turn >= len(source.scenes) or options.level not in level or options.scene not in name:
                 continue
-            scene = json.loads(json.dumps(INSTEAD if (level, name) == ("periodic", SILENT) else SCENES[name]))
+            scene = json.loads(json.dumps(INSTEAD if (level, name) == ("periodic", SILENT) else source.scenes[name]))
             if source.even_balls:
                 scene["bearing"]["ball_count"] = balls_of(scene) // 2 * 2
             z = balls_of(scene)
