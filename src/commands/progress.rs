@@ -69,7 +69,8 @@ fn reported<T>(
 
 /// Kind, simulated time and estimated run time of a job.
 fn announcement(job: &Job) -> String {
-    let simulated = format!("{} s after {} s", job.base().settings.duration, job.base().settings.settle);
+    let Some(base) = job.base() else { return job.kind().name().to_owned() };
+    let simulated = format!("{} s after {} s", base.settings.duration, base.settings.settle);
     let cost = contract::estimate(job);
     let (kind, estimate) = (job.kind().name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
     match job {
@@ -84,7 +85,7 @@ fn announcement(job: &Job) -> String {
             let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
             format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
         }
-        Job::Simulation(_) | Job::Study(_) => format!("{kind}: {simulated}; {estimate}"),
+        Job::Simulation(_) | Job::Study(_) | Job::Rotor(_) => format!("{kind}: {simulated}; {estimate}"),
     }
 }
 

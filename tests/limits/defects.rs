@@ -33,15 +33,15 @@ pub fn motor(surfaces: Value) -> Value {
 }
 
 /// A defect over the whole groove at an azimuth.
-fn defect(azimuth_deg: f64, length_mm: f64, depth_um: f64) -> Value {
+pub fn defect(azimuth_deg: f64, length_mm: f64, depth_um: f64) -> Value {
     json!({ "azimuth_deg": azimuth_deg, "length_mm": length_mm, "depth_um": depth_um })
 }
 
-fn on_outer(defect: Value) -> Value {
+pub fn on_outer(defect: Value) -> Value {
     json!({ "outer": { "defects": [defect] } })
 }
 
-fn averaged(json: &Value) -> PerRaceway<AveragedSurface> {
+pub fn averaged(json: &Value) -> PerRaceway<AveragedSurface> {
     let scene = scene(json);
     averaged_surfaces(&Mechanism::new(&scene, &needs(&scene, Some(ModelLevel::Planar))), &scene).unwrap()
 }

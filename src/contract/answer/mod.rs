@@ -8,6 +8,9 @@ pub mod signals;
 pub mod views;
 
 pub mod optimum;
+pub mod ross;
+pub mod rotor;
+pub mod rotor_model;
 pub mod table;
 pub mod work_precision;
 

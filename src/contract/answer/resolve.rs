@@ -153,20 +153,20 @@ pub struct StaticAnswer {
     pub max_pressure_mpa: f64,
 }
 
-/// Resolves a checked job.
-pub fn resolve_answer(job: &Job) -> ResolveAnswer {
-    let base = job.base();
+/// Resolves a checked job; `None` for a rotor job, which simulates nothing.
+pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
+    let base = job.base()?;
     let at_rest = static_loads(base.scene(), &base.terms).ok();
     let (plan, points, most_runs) = match job {
-        Job::Simulation(_) => (None, None, None),
+        Job::Simulation(_) | Job::Rotor(_) => (None, None, None),
         Job::Study(study) => (None, Some(study.points as u64), None),
         Job::Optimum(search) => (None, None, Some(search.most_runs() as u64)),
         Job::Accuracy(comparison) => (Some(&comparison.plan), None, None),
     };
-    ResolveAnswer {
+    Some(ResolveAnswer {
         scene: base.scene_json(),
         solver: given_fields(&base.solver),
-        outputs: outputs(job),
+        outputs: outputs(job, base),
         settle_s: base.settings.settle,
         duration_s: base.settings.duration,
         methods: plan.map(|plan| plan.methods.iter().map(|method| method.name().to_owned()).collect()),
@@ -185,7 +185,7 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
             ..derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten())
         },
         warnings: unit_warnings::warnings(base, at_rest.as_ref()),
-    }
+    })
 }
 
 /// Limits of what the run can say about its surfaces, and model levels that are not tried.
@@ -210,8 +210,8 @@ fn left_out(base: &Simulation) -> Vec<LeftOutAnswer> {
     terms.iter().map(LeftOutAnswer::from).collect()
 }
 
-fn outputs(job: &Job) -> Value {
-    let mut outputs = given_fields(&job.base().outputs);
+fn outputs(job: &Job, base: &Simulation) -> Value {
+    let mut outputs = given_fields(&base.outputs);
     if job.simulations().is_some() {
         // Studies and optimum jobs keep metrics only.
         outputs["spectra"] = Value::Array(Vec::new());

@@ -264,7 +264,7 @@ mod tests {
 
     fn warned(scene: Value) -> Vec<String> {
         let job = parse_scene_request(json!({ "scene": scene }).to_string().as_bytes()).expect("it can be computed");
-        resolve_answer(&job).warnings.into_iter().map(|warning| warning.pointer).collect()
+        resolve_answer(&job).unwrap().warnings.into_iter().map(|warning| warning.pointer).collect()
     }
 
     #[test]

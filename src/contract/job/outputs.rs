@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
 use raceway_core::numerics::spectrum::EnvelopeKind;
-use raceway_core::physics::spindle::AxialHold;
+use raceway_core::physics::spindle::{AxialHold, SpindleTilt};
 use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
 use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
 use raceway_core::simulation::input::settings::{ENVELOPE_BAND, Outputs, longest_window};
@@ -158,7 +158,7 @@ pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
     let channel = Channel::parse(name, balls).ok_or_else(|| {
         let name: String = name.chars().take(100).collect();
         format!(
-            "unknown channel `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, \
+            "unknown channel `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, spindle.tilt.{{y|z}}, \
              cage.{{x|y|z}}.displacement, cage.speed, ball.N.spin and ball.N.{{inner|outer|pocket}}.load with N = 1…{balls}"
         )
     })?;
@@ -166,6 +166,9 @@ pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
     match channel {
         Channel::Spindle(Axis::X, _) if scene.spindle.axial != AxialHold::Free || off(Term::Axial) => {
             Err(format!("`{name}` exists only where the spindle's axial direction is free (/scene/spindle/axial)"))
+        }
+        Channel::SpindleTilt(_) if scene.spindle.tilt == SpindleTilt::Held => {
+            Err(format!("`{name}` exists only where the spindle tilts freely (/scene/spindle/tilt)"))
         }
         Channel::CageDisplacement(_) | Channel::CageSpeed | Channel::BallLoad(_, BallContact::Pocket)
             if off(Term::Cage) =>

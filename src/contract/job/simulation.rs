@@ -304,7 +304,8 @@ fn unmet(unmet: UnsupportedChoice) -> FieldError {
 const MAX_LABELS: usize = 16;
 const MAX_LABEL: usize = 200;
 
-fn check_labels(labels: &[String], defaults: &mut Defaults) {
+/// Refuses labels that are too many, too long or not printable.
+pub(super) fn check_labels(labels: &[String], defaults: &mut Defaults) {
     if labels.len() > MAX_LABELS {
         defaults.refuse("/labels", format!("{} labels: at most {MAX_LABELS}", labels.len()));
     }

@@ -84,6 +84,16 @@ impl Defaults {
         }
     }
 
+    /// Refuses a number of a rotor job outside the limits of its field; returns whether it is inside.
+    pub fn check_of_rotor(&mut self, pointer: &str, value: f64) -> bool {
+        let Some(limits) = limits::of_rotor_field(pointer) else { return true };
+        let is_inside = (limits.lowest..=limits.highest).contains(&value);
+        if !is_inside {
+            self.refuse(pointer, numbers::out_of_range(value, limits.lowest, limits.highest, false, limits.unit));
+        }
+        is_inside
+    }
+
     /// Refuses fields of `object` that its `law` does not use; `fields` are (name, is given, is used). Refuses nothing where the
     /// law itself could not be read: `law` is then a substitute.
     pub fn only_used(&mut self, object: &str, law: &str, fields: &[(&str, bool, bool)]) {

@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 136] = [
+const FIELDS: [(&str, &str, Unit); 139] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -50,6 +50,9 @@ const FIELDS: [(&str, &str, Unit); 136] = [
     ("spindle.balance_grade", "/spindle/balance_grade", MM_S),
     ("spindle.axial", "/spindle/axial", NUMBER),
     ("spindle.axial.offset", "/spindle/axial/offset_um", UM),
+    ("spindle.tilt", "/spindle/tilt", NUMBER),
+    ("spindle.transverse_inertia", "/spindle/transverse_inertia_kg_m2", KG_M2),
+    ("spindle.axial_inertia", "/spindle/axial_inertia_kg_m2", KG_M2),
     ("lubricant.viscosity", "/lubricant/viscosity_pa_s", PA_S),
     ("lubricant.pressure_viscosity", "/lubricant/pressure_viscosity_per_pa", PER_PA),
     ("lubricant.fill", "/lubricant/fill", NUMBER),

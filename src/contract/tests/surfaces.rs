@@ -173,7 +173,8 @@ fn a_preset_fills_random_waviness() {
             "operation": { "speed_rpm": 1797, "radial_load_y_n": 500 },
             "surfaces": surfaces
         } });
-        serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap())).unwrap()
+        serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap()).unwrap())
+            .unwrap()
     };
     for (preset, amplitude) in [("precision", 1.0), ("standard", 5.0), ("worn", 25.0)] {
         let answer = resolve(json!({ "preset": preset }));
@@ -210,7 +211,7 @@ fn short_spectra_of_waves_have_a_warning() {
             "surfaces": { "outer": { "waviness": [{ "order": 10, "amplitude_nm": amplitude }] } }
         } });
         let job = parse_job(request.to_string().as_bytes()).unwrap();
-        let messages = serde_json::to_value(resolve_answer(&job)).unwrap()["messages"].clone();
+        let messages = serde_json::to_value(resolve_answer(&job).unwrap()).unwrap()["messages"].clone();
         let of_time = messages.as_array().unwrap().iter().filter(|one| one["code"] == "merged-cage-lines").count();
         let Job::Simulation(simulation) = job else { panic!("no simulation") };
         (simulation.settings.outputs.longest_window, of_time)
@@ -234,7 +235,7 @@ fn waves_take_ten_turns_of_the_cage() {
             ] } }
         });
         let request = json!({ "scene": scene }).to_string();
-        serde_json::to_value(resolve_answer(&parse_scene_request(request.as_bytes()).unwrap())).unwrap()
+        serde_json::to_value(resolve_answer(&parse_scene_request(request.as_bytes()).unwrap()).unwrap()).unwrap()
     };
     let (wavy, ideal) = (of(10.0), of(0.0));
     let turns = wavy["duration_s"].as_f64().unwrap() * wavy["derived"]["frequencies_hz"]["cage"].as_f64().unwrap();
@@ -348,7 +349,8 @@ fn wrong_pockets_are_refused() {
 fn resolved(surfaces: Value, speed: f64) -> Value {
     let operation = json!({ "speed_rpm": speed, "radial_load_y_n": 500 });
     let request = json!({ "scene": { "bearing": "6205", "operation": operation, "surfaces": surfaces } });
-    serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap())).unwrap()
+    serde_json::to_value(resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap()).unwrap())
+        .unwrap()
 }
 
 /// Drop, fall, times, load and step of each defect; only the dynamics are tried.

@@ -31,7 +31,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 83] = [
+const LIMITS: [Limits; 85] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -65,6 +65,8 @@ const LIMITS: [Limits; 83] = [
     within("spindle.unbalance", 0.0, 1e3),
     within("spindle.balance_grade", 0.0, 5.0),
     within("spindle.axial.offset", -0.01, 0.01),
+    within("spindle.transverse_inertia", 1e-12, 1e6),
+    within("spindle.axial_inertia", 1e-12, 1e6),
     within("operation.speed", -MAX_SPEED, MAX_SPEED),
     within("operation.speed.at", 0.0, 1e6),
     within("operation.axial_load", -1e7, 1e7),

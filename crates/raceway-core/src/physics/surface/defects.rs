@@ -188,6 +188,12 @@ impl Recess {
         DefectEdges { azimuth: self.defect.azimuth, half_angle: 0.5 * self.defect.length / self.contact.radius }
     }
 
+    /// Azimuths of the first edge, the middle and the last edge on the ring [rad].
+    pub(crate) fn azimuths(&self) -> [f64; 3] {
+        let DefectEdges { azimuth, half_angle } = self.edges();
+        [azimuth - half_angle, azimuth, azimuth + half_angle]
+    }
+
     /// Distance from the middle within which the path differs from the ideal one [m].
     pub(super) fn half_length(&self) -> f64 {
         0.5 * self.defect.length + FELT * self.contact.half_width

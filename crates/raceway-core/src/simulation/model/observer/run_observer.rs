@@ -351,17 +351,19 @@ impl<'m> Observer<'m> {
     fn gather_speeds(&mut self, time: f64) -> f64 {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
-        let balls = m.layout.balls;
+        // A copy, so that the compiler knows that no store in the loop changes it.
+        let layout = m.layout;
+        let balls = layout.balls;
         let (mut orbit, mut spin) = (0.0, 0.0);
         for ball in 0..balls {
-            let state = m.layout.ball(&self.state, ball);
+            let state = layout.ball(&self.state, ball);
             orbit += state.arc_velocity / balls as f64;
             // Spin in the orbit frame, about the axis that the contact angle tilts.
             let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             if self.slips {
                 let loaded = LoadedBall {
                     orbit_radius: m.pitch_radius + state.radial,
-                    ball_radius: m.ball_radius + m.start_and_oversize(ball).1,
+                    ball_radius: m.ball_radius + m.oversize(ball),
                     angle: self.snapshot.angle[ball],
                 };
                 let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
@@ -386,7 +388,7 @@ impl<'m> Observer<'m> {
     fn pick(&mut self, time: f64) {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
-        let cage = m.layout.cage(&self.state);
+        let (cage, spindle) = (m.layout.cage(&self.state), m.layout.spindle(&self.state));
         for (value, channel) in self.pick.iter_mut().zip(&self.channels) {
             *value = match *channel {
                 Channel::CageDisplacement(axis) => cage.centre[axis as usize],
@@ -399,6 +401,7 @@ impl<'m> Observer<'m> {
                 Channel::BallLoad(ball, BallContact::Inner) => self.snapshot.inner[ball],
                 Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
                 Channel::BallLoad(ball, BallContact::Pocket) => self.snapshot.pocket[ball],
+                Channel::SpindleTilt(axis) => spindle.tilt[usize::from(axis == Axis::Z)],
                 Channel::Spindle(..) => 0.0,
             };
         }

@@ -500,7 +500,7 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
     let m = model.mechanism();
     let border = stepper.border();
     match channel {
-        Channel::Spindle(..) | Channel::CageDisplacement(Axis::X) => 0.0,
+        Channel::Spindle(..) | Channel::SpindleTilt(_) | Channel::CageDisplacement(Axis::X) => 0.0,
         Channel::CageDisplacement(Axis::Y) => border.cage[0],
         Channel::CageDisplacement(Axis::Z) => border.cage[1],
         Channel::CageSpeed => m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius,

@@ -98,7 +98,7 @@ impl RadiallyCondensed {
             stepper.advance(STEPS_PER_POLL.min(all - stepper.steps()), &mut observer);
             finite(&stepper)?;
             let [y, z] = stepper.border().spindle;
-            if let Some(departure) = self.mechanism().departure([0.0, y, z]) {
+            if let Some(departure) = self.mechanism().departure([0.0, y, z], [0.0; 2]) {
                 return Err(SimulationError::SpindleLeft { time: stepper.time(), departure });
             }
             (control.progress)(stepper.steps() as f64 / all as f64);
