@@ -37,14 +37,17 @@ import tempfile
 RATE, ENTRIES, TURNS = 102400, 8192, 20
 # Half width of the window's main lobe [bins].
 LOBE = 4
+# Distance of a maximum from its line [bins]: neighbouring lines shift it.
+REACH = 1
 # Amplitude below which nothing is judged [nm]: rounding and integration errors of the runs.
 FLOOR = 1e-3
 # Least share of a line in the strongest one.
 SHARE = 0.01
 # Allowed relative deviation of a frequency.
 DEVIATION = 1e-3
-# Highest orders of shaft and cage in a line.
-HIGHEST = 200
+# Highest orders of shaft and cage in a line. An inner defect is a sum of waves of all orders: up to these orders of shaft and ball passage every
+# line is its own, beyond them those with sidebands of the shaft up to this order.
+HIGHEST, WAVES, PASSAGES, SIDEBANDS = 200, 40, 8, 4
 AXES = ("y", "z")
 
 # A preload without load and weight, clearance under a load, and other sizes, numbers of balls, speeds and loads.
@@ -131,7 +134,8 @@ def sources():
     # The load zone modulates the passages of a defect that turns with the shaft, by every multiple of the shaft speed.
     found.append(Source("inner defect", LEVELS[:3], lambda z: {"inner": slot()},
                         needed=lambda z, even: [(z - 1, -z, 0), (z + 1, -z, 0)] + ([] if even else [(z, -z, 0)]),
-                        allowed=lambda z: lambda a, m, s: s == 0 and m % z == 0))
+                        allowed=lambda z: lambda a, m, s: s == 0 and m % z == 0 and (
+                            abs(a) <= WAVES and abs(m) <= PASSAGES * z or abs(abs(a) - abs(m)) <= SIDEBANDS)))
     ball = lambda **fields: lambda z: {"balls": [{"ball": 3, **fields}]}
     for order in (2, 4):
         found.append(Source(f"ball wave {order}", LEVELS[:4], ball(**wave(order)),
@@ -277,7 +281,7 @@ def judged(source, scene, run, ideal):
     for line in itertools.product(*orders):
         if rule(*line):
             at = frequency(line) * duration
-            for k in range(max(0, round(at) - LOBE), min(len(entries), round(at) + LOBE + 1)):
+            for k in range(max(0, round(at) - REACH), min(len(entries), round(at) + REACH + 1)):
                 allowed[k] = True
     places, missing = [], []
     for line in source.needed(z, even):
