@@ -56,12 +56,8 @@ impl<const B: usize> Bordered<B> {
                 }
             }
         }
-        for row in 0..self.width {
-            for column in row + 1..self.width {
-                condensed[row][column] = condensed[column][row];
-            }
-        }
-        condensed
+        let lower = condensed;
+        std::array::from_fn(|row| std::array::from_fn(|column| lower[row.max(column)][row.min(column)]))
     }
 
     /// The Cholesky factor, a matrix of the same shape; `None` unless the matrix is positive definite.

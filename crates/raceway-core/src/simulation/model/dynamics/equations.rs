@@ -102,8 +102,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), time);
         let (mut sum, mut on_tilt) = (Reaction::default(), [0.0; 3]);
-        let mut balls = Balls::default();
-        balls.on_tilt = self.on_tilt();
+        let mut balls = Balls { on_tilt: self.on_tilt(), ..Balls::default() };
         for first in (0..layout.balls).step_by(LANES) {
             if first > 0 {
                 state = layout.side_by_side::<PLANAR>(y, first);
