@@ -1,8 +1,9 @@
-//! What `resolve` says about the limits of waves and defects, and the resonances that they excite.
+//! What answers say about the limits of waves and defects, the resonances that they excite, and envelopes at their rates.
 
 use serde_json::{Value, json};
 
-use crate::contract::{parse_job, resolve_answer};
+use crate::contract::{Outcome, Simulated, SpectrumKind, execute, parse_job, resolve_answer};
+use raceway_core::simulation::input::control::Control;
 
 /// The answer of `resolve` for a 6205 under 500 N at 1797 r/min with further fields of the job.
 fn resolved(surfaces: Value, fields: Value) -> Value {
@@ -87,4 +88,47 @@ fn roughness_above_the_film_has_a_message() {
     assert!((roughness / 283.0 - 1.0).abs() < 0.03, "{roughness}");
     assert!(stated["film_nm"].as_f64().unwrap() < roughness);
     assert_eq!(message(&of(2, 3, 5000.0), "rough-contact"), None);
+}
+
+/// The result of a spall of a 6205 under 500 N at 1797 r/min, planar.
+fn simulated(outputs: Value) -> Simulated {
+    let request = json!({ "kind": "simulation", "settle_s": 0.05, "duration_s": 0.1, "solver": { "rung": "planar" },
+        "outputs": outputs, "scene": {
+            "bearing": "6205", "operation": { "speed_rpm": 1797, "radial_load_y_n": 500 },
+            "surfaces": { "outer": { "defects": [{ "length_mm": 0.6, "depth_um": 50 }] } } } });
+    let job = parse_job(request.to_string().as_bytes()).unwrap();
+    let Ok(Outcome::Simulation(simulated)) = execute(&job, &Control::until(&|| false)) else {
+        panic!("the run failed")
+    };
+    *simulated
+}
+
+/// A point of a study has no spectra, but the same envelope as the simulation with them; its first harmonic is that of the listed line.
+#[test]
+fn envelopes_at_the_rates_of_defects_are_metrics() {
+    let band = json!([890, 3500]);
+    let with_lines = simulated(json!({ "metrics": ["vibration"], "envelope_band_hz": band }));
+    let point = simulated(json!({ "metrics": ["vibration"], "envelope_band_hz": band, "spectra": [] }));
+    let of = |run: &Simulated| serde_json::to_value(&run.metrics).unwrap();
+    let (metrics, of_point) = (of(&with_lines), of(&point));
+    let channel = "spindle.y.acceleration";
+    let envelope = &metrics["channels"][channel]["envelope"];
+    assert_eq!(*envelope, of_point["channels"][channel]["envelope"]);
+    let lines = metrics["envelope_lines"].as_array().unwrap();
+    let listed = lines.iter().find(|line| line["channel"] == channel && line["label"] == "BPFO").unwrap();
+    let first = envelope["ball_pass_outer"]["first"].as_f64().unwrap();
+    assert!((first / listed["amplitude"].as_f64().unwrap() - 1.0).abs() < 1e-9, "{envelope} {listed}");
+    let ratio = first / metrics["channels"][channel]["rms"].as_f64().unwrap();
+    assert!((envelope["ball_pass_outer"]["first_over_rms"].as_f64().unwrap() / ratio - 1.0).abs() < 1e-12);
+    assert!(envelope["ball_pass_inner"]["first"].as_f64().unwrap() < 0.3 * first);
+    assert_eq!(metrics["resonances"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_squared_envelope_has_the_square_of_the_unit() {
+    let run = simulated(json!({ "envelope_band_hz": [890, 3500], "envelope": "squared" }));
+    let units: Vec<&str> = run.spectra.iter().map(|spectrum| spectrum.unit.as_str()).collect();
+    assert_eq!(units, ["m/s²", "(m/s²)²"].repeat(2));
+    assert!(run.spectra.iter().any(|spectrum| spectrum.kind == SpectrumKind::Envelope));
+    assert_eq!(serde_json::to_value(&run.metrics).unwrap()["envelope"], "squared");
 }

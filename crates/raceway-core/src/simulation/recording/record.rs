@@ -78,8 +78,6 @@ pub struct Recording {
     /// Orbit speed of balls that roll at their loaded contact angles over the shaft speed, mean of the balls with load [-]; `None` where too
     /// few balls carry load, and where it was not requested.
     pub loaded_orbit_ratio: Option<f64>,
-    /// Magnitude of the mean orbit speed of the balls over the recorded time [rad/s]. The cage moves on by its pockets' clearance beside them.
-    pub orbit_speed: f64,
     /// Mean spin of a ball about its own axis in the orbit frame [rad/s].
     pub ball_spin: f64,
     /// How each ball rolls, where one is no sphere and the model knows; else empty.

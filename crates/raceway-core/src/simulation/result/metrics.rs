@@ -231,10 +231,8 @@ pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFreque
     )
 }
 
-/// Frequencies of lines at the simulated speeds [Hz]. Balls pass the raceways at their own mean orbit speed, which differs from that of the cage by
-/// its motion in the pockets' clearance. The spin is that of the balls that make lines: those with defects, else those with waves.
-fn rolling_frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
-    let turns = |speed: f64| speed / std::f64::consts::TAU;
+/// Frequencies of lines at the simulated speeds [Hz], with the spin of the balls that make lines: those with defects, else those with waves.
+fn line_frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
     let (balls, tracks) = (&scene.surfaces.balls, &recording.tracks);
     let mean_spin = |is_heard: &dyn Fn(&BallSurface) -> bool| {
         let heard = balls.iter().zip(tracks).filter(|(ball, _)| is_heard(ball)).map(|(_, track)| track.spin);
@@ -242,8 +240,8 @@ fn rolling_frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFr
         (count > 0).then(|| heard.sum::<f64>() / count as f64)
     };
     let own = mean_spin(&BallSurface::has_defects).or_else(|| mean_spin(&|ball| !ball.is_sphere()));
-    let spin = own.unwrap_or(recording.ball_spin);
-    kinematics::with_cage_speed(&scene.bearing, turns(recording.shaft_speed), turns(recording.orbit_speed), turns(spin))
+    let all = frequencies(scene, recording);
+    CharacteristicFrequencies { ball_spin: own.map_or(all.ball_spin, |spin| spin / std::f64::consts::TAU), ..all }
 }
 
 /// Amplitudes of the envelopes at the rates of defects, where they are computed; none where the speed varies, and of channels whose level is
@@ -257,7 +255,7 @@ pub(crate) fn envelope_harmonics(
     if !settings.outputs.envelope_harmonics || !scene.operation.speed.is_constant() {
         return Vec::new();
     }
-    let at = rolling_frequencies(scene, recording);
+    let at = line_frequencies(scene, recording);
     let one = |channel: &Channel| {
         let spectra = recording.of(*channel)?.spectra()?;
         let harmonics = EnvelopeHarmonics::of(&spectra.envelope, &at)?;
@@ -295,7 +293,7 @@ pub fn lines(
     let is_constant = scene.operation.speed.is_constant();
     let turns = |whirl: Option<Whirl>| whirl.map_or(0.0, |whirl| whirl.rate().abs() / std::f64::consts::TAU);
     let sources = &LineSources {
-        frequencies: marked(scene, &rolling_frequencies(scene, recording)),
+        frequencies: marked(scene, &line_frequencies(scene, recording)),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
         inner_defect: scene.surfaces.raceway.inner.has_defects(),

@@ -75,8 +75,6 @@ pub struct Observer<'m> {
     shaft: Moments,
     cage: Moments,
     spin: Moments,
-    /// Mean orbit speed of the balls [rad/s].
-    orbit: Moments,
     /// `None` where all balls are spheres.
     tracks: Option<BallTracks>,
     /// Whether the slip of the cage is recorded.
@@ -151,7 +149,6 @@ impl<'m> Observer<'m> {
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
             tracks: (!model.mechanism().uneven_balls.is_empty()).then(|| BallTracks::new(balls)),
-            orbit: Moments::default(),
             sites: model.mechanism().sites.as_ref().map(|sites| {
                 let window = settings.outputs.keep_signals().then_some(settings.outputs.longest_window);
                 SiteObserver::new(sites, balls, settings.outputs.contacts, window)
@@ -384,7 +381,6 @@ impl<'m> Observer<'m> {
         self.part_cage.shaft.add(speed);
         let cage_speed = m.orbit_ratio * speed + arc_velocity / m.pitch_radius;
         self.cage.add(cage_speed);
-        self.orbit.add(m.orbit_ratio * speed + orbit / m.pitch_radius);
         self.spin.add(spin);
         cage_speed
     }
@@ -479,7 +475,6 @@ impl<'m> Observer<'m> {
             shaft_speed: self.shaft.mean().abs(),
             cage_speed: self.cage.mean().abs(),
             loaded_orbit_ratio: self.rolling.mean(),
-            orbit_speed: self.orbit.mean().abs(),
             ball_spin: self.spin.mean(),
             tracks: self.tracks.map(BallTracks::finish).unwrap_or_default(),
             parts: self.parts,

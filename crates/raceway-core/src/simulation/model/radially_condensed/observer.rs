@@ -405,7 +405,6 @@ impl<'a> Observer<'a> {
             shaft_speed: shaft.abs(),
             cage_speed: (m.orbit_ratio * shaft + cage).abs(),
             loaded_orbit_ratio: self.rolling.mean(),
-            orbit_speed: (m.orbit_ratio * shaft + orbit).abs(),
             tracks: Vec::new(),
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: self.parts,
