@@ -21,6 +21,7 @@ pub mod presets;
 pub mod raceway;
 pub mod rating;
 pub mod spindle;
+pub mod statics;
 pub mod surface;
 
 pub use limits::InvalidParameter;
