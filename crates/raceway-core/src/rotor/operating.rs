@@ -110,7 +110,9 @@ fn evaluated(
         let ring = from.and_then(|from| bearing.mounted.bearing.near(&pose, speed, from).ok());
         let ring = ring.or_else(|| bearing.mounted.bearing.at(&pose, speed).ok())?;
         let reaction = port.transpose() * DVector::from_row_slice(&wrench(bearing, &ring));
-        applied += weight(&reaction);
+        // Preloaded bearings carry each other, without a reaction of the shaft.
+        let carried = ring.wrench[..3].iter().map(|force| force * force).sum::<f64>().sqrt();
+        applied += weight(&(port.transpose() * DVector::from_row_slice(&[carried, carried, carried, 0.0, 0.0])));
         rest += reaction;
         rings.push(ring);
     }
