@@ -57,7 +57,7 @@ fn of_stiffness(system: &System, stiffness: DMatrix<f64>, [from, to]: [f64; 2]) 
     for (index, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > f64::EPSILON * largest) {
         let speed = 1.0 / value.sqrt();
         let column: DVector<Complex<f64>> = eigen.eigenvectors.column(index).into_owned();
-        if let Some(vector) = lower.ad_solve_lower_triangular(&column).filter(|_| speed <= to && !(speed < from)) {
+        if let Some(vector) = lower.ad_solve_lower_triangular(&column).filter(|_| (from..=to).contains(&speed)) {
             let vector = vector.unscale(vector.norm());
             found.push((speed, Oscillation { value: Complex::new(0.0, speed), vector }));
         }
