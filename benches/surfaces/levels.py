@@ -6,7 +6,7 @@ Usage: python3 benches/surfaces/levels.py --binary BINARY --rows FILE [--count 6
 
 Each scene is one of benches/calibration/drawn.rs with drawn surfaces and, in every second one, a cage that is symmetric like those of two
 ribbons. It runs twice: kind `waves` has waves of raceways or balls, often with unequal balls and pockets, and kind `defect` has a defect of
-a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes the missing ones only.
+a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes the missing ones and those without a reference only.
 `--report` prints the table from the rows without a run; `--csv` also writes them as docs/data/surface-levels.csv has them.
 
   admitted   the selected level `radially_condensed` runs and its verification confirms it; all else is refused or carries a warning
@@ -183,16 +183,16 @@ def main():
     parser.add_argument("--report", action="store_true")
     parser.add_argument("--csv")
     options = parser.parse_args()
-    rows = compare.read_lines(options.rows) if os.path.exists(options.rows) else []
+    rows = {(row["index"], row["kind"]): row for row in compare.read_lines(options.rows)}
     runner = compare.Runner(timeout=60 * options.limit)
     runner.cpu_limit = options.limit
-    indices = range(options.first, options.first + options.count)
-    for kind, index in itertools.product([options.kind] if options.kind else KINDS, indices):
-        if options.report or any(row["index"] == index and row["kind"] == kind for row in rows):
+    for kind, index in itertools.product([options.kind] if options.kind else KINDS, range(options.first, options.first + options.count)):
+        if options.report or rows.get((index, kind), {}).get("outcome", "no reference") != "no reference":
             continue
-        rows.append(row_of(index, kind, runner, options.binary))
-        compare.append(options.rows, rows[-1])
-        compare.progress(json.dumps({key: value for key, value in rows[-1].items() if key != "surfaces"}))
+        row = rows[index, kind] = row_of(index, kind, runner, options.binary)
+        compare.append(options.rows, row)
+        compare.progress(json.dumps({key: value for key, value in row.items() if key != "surfaces"}))
+    rows = list(rows.values())
     if options.csv:
         write_csv(rows, options.csv)
     sys.exit(1 if report(rows) else 0)
