@@ -24,15 +24,18 @@ pub struct EnvelopeAnswer {
 /// Amplitudes at a rate and its multiples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HarmonicsAnswer {
-    /// At the rate, in the unit of the envelope.
-    #[schema(minimum = 0)]
-    pub first: f64,
-    /// At twice the rate.
-    #[schema(minimum = 0)]
-    pub second: f64,
-    /// At three times the rate.
-    #[schema(minimum = 0)]
-    pub third: f64,
+    /// At the rate, in the unit of the envelope; absent where a line of another rate hides the place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub first: Option<f64>,
+    /// At twice the rate; absent in the same way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub second: Option<f64>,
+    /// At three times the rate; absent in the same way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub third: Option<f64>,
     /// `first` over the rms of the channel, or over its square for a squared envelope [-]; absent without motion.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
@@ -46,7 +49,7 @@ impl EnvelopeAnswer {
             first,
             second,
             third,
-            first_over_rms: (reference > 0.0).then(|| first / reference),
+            first_over_rms: first.filter(|_| reference > 0.0).map(|first| first / reference),
         };
         Self {
             shaft: harmonics(&of.shaft),
