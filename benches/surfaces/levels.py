@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Levels of imperfect surfaces on radially_condensed against full, over drawn scenes.
 
-Usage: python3 benches/surfaces/levels.py --binary BINARY --rows FILE [--count 60] [--from 0] [--limit 120] [--kind waves|defect] [--report]
+Usage: python3 benches/surfaces/levels.py --binary BINARY --rows FILE [--count 60] [--from 0] [--limit 120] [--kind waves|defect]
+       [--report] [--csv FILE]
 
 Each scene is one of benches/calibration/drawn.rs with drawn surfaces and, in every second one, a cage that is symmetric like those of two
 ribbons. It runs twice: kind `waves` has waves of raceways or balls, often with unequal balls and pockets, and kind `defect` has a defect of
-a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes the missing ones only.
-`--report` prints the table from the rows without a run.
+a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes the missing ones and those without a reference only.
+`--report` prints the table from the rows without a run; `--csv` also writes them as docs/data/surface-levels.csv has them.
 
   admitted   the selected level `radially_condensed` runs and its verification confirms it; all else is refused or carries a warning
   within     accelerations y and z within 0.05 dB of `full` with waves, within 0.2 dB with a defect; there, the first three envelope lines
@@ -17,6 +18,8 @@ Only the standard library is needed. The exit code is 1 after a miss.
 """
 
 import argparse
+import csv
+import datetime
 import itertools
 import json
 import math
@@ -150,6 +153,25 @@ def report(rows):
     return misses
 
 
+def write_csv(rows, path):
+    written = lambda row, name: [f"{error:.4f}" for error in row.get(name, [])]
+    padded = lambda entries, count: entries + [""] * (count - len(entries))
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        file.write("# Levels on radially_condensed less those on full, where it is admitted: drawn scenes with waves, and with a defect too.\n"
+                   "# command: python3 benches/surfaces/levels.py --binary target/release/raceway --rows ROWS --csv docs/data/surface-levels.csv\n"
+                   f"# date: {datetime.date.today()}\n# machine: any; errors and counts do not depend on it\n"
+                   "# envelope_1 to 3: the first three lines of the envelope of a_y that full lists; no reference: full took more than --limit\n")
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(("index", "surfaces", "bearing", "cage", "speed_rpm", "radial_load_n", "outcome", "error_ay_db", "error_az_db",
+                        "envelope_1_db", "envelope_2_db", "envelope_3_db", "stated_db", "reference_db"))
+        for row in sorted(rows, key=lambda row: (KINDS.index(row["kind"]), row["index"])):
+            outcome = row["outcome"] if row["outcome"] != "admitted" else "within" if row["within"] else "beyond"
+            stated = [f"{row[name]:.4f}" for name in ("stated_db", "reference_error_db") if name in row]
+            table.writerow((row["index"], row["kind"], row["bearing"], "symmetric" if row["symmetric"] else "crown", row["speed_rpm"],
+                            row["radial_load_n"], outcome, *padded(written(row, "errors_db"), 2), *padded(written(row, "envelope_errors_db"), 3),
+                            *padded(stated, 2)))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--binary")
@@ -159,17 +181,20 @@ def main():
     parser.add_argument("--limit", type=float, default=120.0)
     parser.add_argument("--kind", choices=KINDS)
     parser.add_argument("--report", action="store_true")
+    parser.add_argument("--csv")
     options = parser.parse_args()
-    rows = compare.read_lines(options.rows) if os.path.exists(options.rows) else []
+    rows = {(row["index"], row["kind"]): row for row in compare.read_lines(options.rows)}
     runner = compare.Runner(timeout=60 * options.limit)
     runner.cpu_limit = options.limit
-    indices = range(options.first, options.first + options.count)
-    for kind, index in itertools.product([options.kind] if options.kind else KINDS, indices):
-        if options.report or any(row["index"] == index and row["kind"] == kind for row in rows):
+    for kind, index in itertools.product([options.kind] if options.kind else KINDS, range(options.first, options.first + options.count)):
+        if options.report or rows.get((index, kind), {}).get("outcome", "no reference") != "no reference":
             continue
-        rows.append(row_of(index, kind, runner, options.binary))
-        compare.append(options.rows, rows[-1])
-        compare.progress(json.dumps({key: value for key, value in rows[-1].items() if key != "surfaces"}))
+        row = rows[index, kind] = row_of(index, kind, runner, options.binary)
+        compare.append(options.rows, row)
+        compare.progress(json.dumps({key: value for key, value in row.items() if key != "surfaces"}))
+    rows = list(rows.values())
+    if options.csv:
+        write_csv(rows, options.csv)
     sys.exit(1 if report(rows) else 0)
 
 

@@ -99,21 +99,31 @@ fn write_script(text: &mut String, model: &RotorModelAnswer, version: RossVersio
 /// Natural frequencies that the script asks for at each speed.
 const MODES: usize = 12;
 
-/// Arguments of a bearing: its coefficients as a table over `table`.
+/// Fewest speeds between which ROSS interpolates.
+const FEWEST_SPEEDS: usize = 4;
+
+/// Arguments of a bearing: its coefficients as a table over speed, a constant where there are too few speeds for one.
 fn coefficients(support: &ModelSupportAnswer, version: RossVersion) -> String {
+    let is_table = support.k.len() >= FEWEST_SPEEDS;
     let mut text = String::new();
-    for (name, matrix) in [("k", &support.k), ("c", &support.c)] {
+    for (name, matrices) in [("k", &support.k), ("c", &support.c)] {
         for (row, of_row) in AXES {
             for (column, of_column) in AXES {
-                let value = matrix[of_row][of_column];
+                let values: Vec<f64> = matrices.iter().map(|matrix| matrix[of_row][of_column]).collect();
                 // Without kyy ROSS takes kxx in its place.
-                if value != 0.0 || row == column {
-                    text += &format!(", {name}{row}{column}=np.full(4, {value:?})");
+                if row != column && values.iter().all(|value| *value == 0.0) {
+                    continue;
                 }
+                text += &match is_table {
+                    true => format!(", {name}{row}{column}={values:?}"),
+                    false => {
+                        format!(", {name}{row}{column}=np.full({FEWEST_SPEEDS}, {:?})", values.last().unwrap_or(&0.0))
+                    }
+                };
             }
         }
     }
-    text + &format!(", {}=table", version.argument())
+    text + &format!(", {}={}", version.argument(), if is_table { "speeds" } else { "table" })
 }
 
 /// What ROSS cannot take, as a sentence.
@@ -121,7 +131,10 @@ fn dropped(model: &RotorModelAnswer) -> Option<String> {
     let tilts = |support: &&ModelSupportAnswer| {
         let places = (0..5).flat_map(|row| (0..5).map(move |column| (row, column)));
         let mut tilts = places.filter(|(row, column)| *row > 2 || *column > 2);
-        tilts.any(|(row, column)| support.k[row][column] != 0.0 || support.c[row][column] != 0.0)
+        let of = |matrices: &[[[f64; 5]; 5]], row: usize, column: usize| {
+            matrices.iter().any(|matrix: &[[f64; 5]; 5]| matrix[row][column] != 0.0)
+        };
+        tilts.any(|(row, column)| of(&support.k, row, column) || of(&support.c, row, column))
     };
     let nodes: Vec<String> = model.supports.iter().filter(tilts).map(|support| support.node.to_string()).collect();
     (!nodes.is_empty()).then(|| {

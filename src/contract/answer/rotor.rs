@@ -2,14 +2,14 @@
 
 use raceway_core::rotor::analysis::analyse;
 use raceway_core::rotor::input::RotorError;
-use raceway_core::rotor::result::{Complex, Critical, Direction, Mode, ModePoint, RotorResult};
+use raceway_core::rotor::result::{BearingResult, Complex, Critical, Direction, Mode, ModePoint, RotorResult};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::failure::{DID_NOT_CONVERGE, RunFailure};
 use super::rotor_model::RotorModelAnswer;
 use crate::contract::job::rotor::RotorJob;
-use crate::contract::json::units::{DEG, MM, RPM, UM};
+use crate::contract::json::units::{DEG, MM, MRAD, RPM, UM};
 
 /// Result of a rotor job. Phases are those of cos(Ωt + phase), t = 0 where the shaft's angle is 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -32,8 +32,11 @@ pub struct RotorAnswer {
     pub criticals: Vec<CriticalAnswer>,
     /// Response to unbalance at each place where something acts on the shaft.
     pub response: Vec<ResponseAnswer>,
-    /// Forces of the shaft on each support, in the order of the request.
+    /// Forces of the shaft on each of `supports`, then on each of `bearings`, in the order of the request.
     pub supports: Vec<SupportForcesAnswer>,
+    /// The bearings at the operating point; absent without bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bearings: Vec<RotorBearingAnswer>,
     /// Static displacement of the nodes under weight and loads.
     #[serde(rename = "static")]
     pub at_rest: DeflectionAnswer,
@@ -154,6 +157,38 @@ pub struct SupportForcesAnswer {
     pub unbalance_force_z_n: Vec<f64>,
 }
 
+/// A bearing at the operating point. Matrices are over x, y, z, β_y, β_z, along the shaft's axes and about the bearing's centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RotorBearingAnswer {
+    /// Name.
+    pub name: String,
+    /// Place along the shaft [mm].
+    pub at_mm: f64,
+    /// Displacement of the inner ring from the outer one along x, y and z, in the bearing's own axes, where it carries a thrust along +X
+    /// [µm].
+    pub displacement_um: [f64; 3],
+    /// Tilt of the inner ring about y and z in the same axes [mrad].
+    pub tilt_mrad: [f64; 2],
+    /// Stiffness, mean over a ball spacing [N/m, N/rad, N·m/m, N·m/rad].
+    #[schema(value_type = Vec<Vec<f64>>)]
+    pub stiffness: [[f64; 5]; 5],
+    /// Least of each entry over a ball spacing.
+    #[schema(value_type = Vec<Vec<f64>>)]
+    pub least_stiffness: [[f64; 5]; 5],
+    /// Most of each entry over a ball spacing.
+    #[schema(value_type = Vec<Vec<f64>>)]
+    pub most_stiffness: [[f64; 5]; 5],
+    /// Damping of the contacts for slow motions [N·s/m, N·s/rad, N·m·s/m, N·m·s/rad]. The lubricant film's own damping is left out.
+    #[schema(value_type = Vec<Vec<f64>>)]
+    pub damping: [[f64; 5]; 5],
+    /// Largest load of a ball on the inner raceway [N].
+    pub largest_inner_load_n: f64,
+    /// Largest load of a ball on the outer raceway [N].
+    pub largest_outer_load_n: f64,
+    /// Share of the balls that the inner raceway presses, 0–1 [-].
+    pub loaded_share: f64,
+}
+
 /// Static displacement of the nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DeflectionAnswer {
@@ -169,7 +204,7 @@ impl RotorAnswer {
     /// Analyses the rotor of a job.
     pub fn of(job: &RotorJob) -> Result<Self, RunFailure> {
         let result = analyse(&job.rotor, &job.request).map_err(failure)?;
-        let model = RotorModelAnswer::of(job, &result.nodes);
+        let model = RotorModelAnswer::of(job, &result);
         Ok(answer(job, &result, model))
     }
 }
@@ -206,9 +241,28 @@ fn answer(job: &RotorJob, result: &RotorResult, model: RotorModelAnswer) -> Roto
                 unbalance_force_z_n: support.dynamic.iter().map(|force| force[1].norm()).collect(),
             })
             .collect(),
+        bearings: bearings(job, result),
         at_rest: DeflectionAnswer { x_um: um(0), y_um: um(1), z_um: um(2) },
         model,
     }
+}
+
+fn bearings(job: &RotorJob, result: &RotorResult) -> Vec<RotorBearingAnswer> {
+    let names = job.input.scene.bearings.iter().flatten().map(|bearing| bearing.name.clone());
+    let of = |(name, bearing): (String, &BearingResult)| RotorBearingAnswer {
+        name,
+        at_mm: MM.to_user(bearing.at),
+        displacement_um: [0, 1, 2].map(|axis| UM.to_user(bearing.pose[axis])),
+        tilt_mrad: [3, 4].map(|axis| MRAD.to_user(bearing.pose[axis])),
+        stiffness: bearing.stiffness,
+        least_stiffness: bearing.least_stiffness,
+        most_stiffness: bearing.most_stiffness,
+        damping: bearing.damping,
+        largest_inner_load_n: bearing.largest_loads[0],
+        largest_outer_load_n: bearing.largest_loads[1],
+        loaded_share: bearing.loaded,
+    };
+    names.zip(&result.bearings).map(of).collect()
 }
 
 fn course_answer(points: &[Option<ModePoint>]) -> ModeCourseAnswer {

@@ -2,6 +2,7 @@
 
 use raceway_core::physics::frame::mesh::Mesh;
 use raceway_core::physics::frame::support::PORT;
+use raceway_core::rotor::result::RotorResult;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -23,7 +24,7 @@ pub struct RotorModelAnswer {
     pub discs: Vec<ModelDiscAnswer>,
     /// Unbalance planes.
     pub unbalances: Vec<ModelUnbalanceAnswer>,
-    /// Supports with their complete matrices over x, y, z, β_y, β_z.
+    /// Supports, then bearings, with their complete matrices over x, y, z, β_y, β_z.
     pub supports: Vec<ModelSupportAnswer>,
     /// Operating speed [rad/s].
     pub speed_rad_s: f64,
@@ -66,24 +67,24 @@ pub struct ModelUnbalanceAnswer {
     pub phase_rad: f64,
 }
 
-/// A support at a node.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+/// A support or bearing at a node, its matrices at each of `speeds_rad_s`, or one where they do not depend on speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ModelSupportAnswer {
     /// Number of the node.
     pub node: u64,
     /// Stiffness [N/m, N/rad, N·m/m, N·m/rad].
-    #[schema(value_type = Vec<Vec<f64>>)]
-    pub k: [[f64; PORT]; PORT],
+    #[schema(value_type = Vec<Vec<Vec<f64>>>)]
+    pub k: Vec<[[f64; PORT]; PORT]>,
     /// Damping [N·s/m, N·s/rad, N·m·s/m, N·m·s/rad].
-    #[schema(value_type = Vec<Vec<f64>>)]
-    pub c: [[f64; PORT]; PORT],
+    #[schema(value_type = Vec<Vec<Vec<f64>>>)]
+    pub c: Vec<[[f64; PORT]; PORT]>,
 }
 
 impl RotorModelAnswer {
-    /// The model of a job on its final nodes [m].
-    pub fn of(job: &RotorJob, nodes: &[f64]) -> Self {
+    /// The model of a job on the nodes of its result.
+    pub fn of(job: &RotorJob, result: &RotorResult) -> Self {
         let rotor = &job.rotor;
-        let mesh = Mesh::new(&rotor.shaft, nodes, f64::INFINITY);
+        let mesh = Mesh::new(&rotor.shaft, &result.nodes, f64::INFINITY);
         let node = |at: f64| mesh.node(at) as u64;
         let material = rotor.shaft.material;
         Self {
@@ -122,7 +123,12 @@ impl RotorModelAnswer {
             supports: rotor
                 .supports
                 .iter()
-                .map(|support| ModelSupportAnswer { node: node(support.at), k: support.stiffness, c: support.damping })
+                .map(|support| (support.at, vec![(support.stiffness, support.damping)]))
+                .chain(result.bearings.iter().map(|bearing| (bearing.at, bearing.over_speed.clone())))
+                .map(|(at, over_speed)| {
+                    let (k, c) = over_speed.into_iter().unzip();
+                    ModelSupportAnswer { node: node(at), k, c }
+                })
                 .collect(),
             speed_rad_s: rotor.speed,
             speeds_rad_s: job.speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect(),

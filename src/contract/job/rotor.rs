@@ -105,7 +105,7 @@ impl<'de> Deserialize<'de> for SpeedsInput {
 }
 
 /// A checked rotor job.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct RotorJob {
     pub submission: Submission,
     /// The request with all defaults.
@@ -114,6 +114,13 @@ pub struct RotorJob {
     pub request: Request,
     /// The requested speeds [r/min].
     pub speeds_rpm: Vec<f64>,
+}
+
+/// Everything follows from the input.
+impl PartialEq for RotorJob {
+    fn eq(&self, other: &Self) -> bool {
+        self.submission == other.submission && self.input == other.input
+    }
 }
 
 impl RotorJob {
@@ -138,7 +145,9 @@ impl RotorJob {
         if let Some(keep) = input.keep_for_s {
             defaults.check_of_rotor("/keep_for_s", keep);
         }
-        if unread.is_empty() && defaults.errors.is_empty() && !rotor.is_restrained() {
+        // Whether bearings hold the shaft shows at the operating point.
+        let is_checked = unread.is_empty() && defaults.errors.is_empty() && rotor.bearings.is_empty();
+        if is_checked && !rotor.is_restrained() {
             defaults.refuse("/scene/supports", NOT_RESTRAINED);
         }
         let mut errors = std::mem::take(&mut defaults.errors);

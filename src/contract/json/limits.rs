@@ -44,7 +44,7 @@ const OF_A_JOB: [FieldLimits; 9] = [
 ];
 
 /// Limits of fields of a rotor job, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 32] = [
+const OF_A_ROTOR: [FieldLimits; 40] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -72,6 +72,14 @@ const OF_A_ROTOR: [FieldLimits; 32] = [
     from("/scene/shaft/unbalances/at_mm", 0.0, 4e6, "mm"),
     from("/scene/shaft/unbalances/unbalance_g_mm", 0.0, 1e9, "g·mm"),
     from("/scene/shaft/unbalances/phase_deg", -360.0, 360.0, "°"),
+    from("/scene/bearings/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/bearings/outer_ring/offset_um/x", -1000.0, 1000.0, "µm"),
+    from("/scene/bearings/outer_ring/offset_um/y", -1000.0, 1000.0, "µm"),
+    from("/scene/bearings/outer_ring/offset_um/z", -1000.0, 1000.0, "µm"),
+    from("/scene/bearings/outer_ring/tilt_mrad/y", -20.0, 20.0, "mrad"),
+    from("/scene/bearings/outer_ring/tilt_mrad/z", -20.0, 20.0, "mrad"),
+    from("/scene/preloads/force_n", 0.0, 1e6, "N"),
+    from("/scene/preloads/offset_um", -500.0, 500.0, "µm"),
     from("/scene/supports/at_mm", 0.0, 4e6, "mm"),
     from("/scene/supports/stiffness_n_per_um", 0.0, 1e6, "N/µm"),
     from("/scene/supports/damping_n_s_per_m", 0.0, 1e9, "N·s/m"),

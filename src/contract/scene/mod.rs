@@ -13,6 +13,7 @@ pub mod spindle;
 pub mod surfaces;
 pub mod terms;
 
+pub mod rotor_bearings;
 pub mod rotor_scene;
 pub mod shaft;
 pub mod supports;

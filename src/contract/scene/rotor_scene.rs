@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
+use super::rotor_bearings::{self, PreloadInput, RotorBearingInput};
 use super::shaft::{ElementsName, ShaftInput};
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
@@ -19,10 +20,18 @@ pub struct RotorSceneInput {
     /// The shaft with its discs and unbalance.
     #[serde(deserialize_with = "object")]
     pub shaft: ShaftInput,
-    /// Linear supports.
+    /// Linear supports, in place of ball bearings or beside them.
     #[serde(default, deserialize_with = "optional_list")]
     #[schema(nullable = false, min_items = 1, max_items = 16)]
     pub supports: Option<Vec<SupportInput>>,
+    /// Ball bearings.
+    #[serde(default, deserialize_with = "optional_list")]
+    #[schema(nullable = false, min_items = 1, max_items = 8)]
+    pub bearings: Option<Vec<RotorBearingInput>>,
+    /// Rigid preloads of pairs of bearings. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 4)]
+    pub preloads: Option<Vec<PreloadInput>>,
     /// Speed and loads.
     #[serde(deserialize_with = "object")]
     pub operation: RotorOperationInput,
@@ -50,8 +59,7 @@ pub struct RotorOperationInput {
 }
 
 /// Fields of the system around a bearing that no analysis takes yet.
-const NOT_YET: [&str; 10] =
-    ["bearings", "bearing", "housing", "sensors", "preloads", "thermal", "fits", "surfaces", "terms", "damping"];
+const NOT_YET: [&str; 8] = ["housing", "sensors", "thermal", "fits", "surfaces", "terms", "damping", "lubricant"];
 
 /// Refuses fields of the request's scene that are described, but not supported yet, and removes them.
 pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
@@ -59,8 +67,11 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
     let Some(scene) = scene else { return };
     for field in NOT_YET {
         if scene.remove(field).is_some() {
-            defaults.refuse(format!("/scene/{field}"), "not supported yet by jobs of kind `rotor`; give `supports`");
+            defaults.refuse(format!("/scene/{field}"), "not supported yet by jobs of kind `rotor`");
         }
+    }
+    if scene.remove("bearing").is_some() {
+        defaults.refuse("/scene/bearing", "give `bearings`, a list of which each item has its place `at_mm`");
     }
     if scene.remove("spindle").is_some() {
         defaults
@@ -95,15 +106,19 @@ impl RotorSceneInput {
         defaults.check_of_rotor("/scene/gravity_m_s2", gravity);
         let length_mm: f64 = self.shaft.sections.iter().map(|section| section.length_mm).sum();
         let (shaft, unbalances) = self.shaft.resolve(defaults, load[0]);
-        let supports = match &mut self.supports {
-            Some(supports) if !supports.is_empty() => supports::resolve(supports, defaults, length_mm),
-            _ => {
-                defaults.refuse("/scene/supports", "required: at least one support holds the shaft");
-                Vec::new()
-            }
-        };
+        let supports = self.supports.as_mut().map(|supports| supports::resolve(supports, defaults, length_mm));
+        let bearings = self.bearings.as_mut().map(|bearings| rotor_bearings::resolve(bearings, defaults, length_mm));
+        let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
+        let inputs = self.bearings.as_deref().unwrap_or_default();
+        if inputs.is_empty() && self.supports.as_ref().is_none_or(Vec::is_empty) {
+            defaults.refuse("/scene/bearings", "required, or `supports`: the shaft needs at least one of both");
+        }
+        if bearings.len() == inputs.len() {
+            bearings =
+                rotor_bearings::preload(self.preloads.as_deref().unwrap_or_default(), inputs, bearings, defaults);
+        }
         let elements = self.shaft.elements.unwrap_or(ElementsName::Auto).into();
         let speed = RPM.to_si(operation.speed_rpm);
-        (Rotor { shaft, unbalances, supports, speed, gravity, load }, elements)
+        (Rotor { shaft, unbalances, supports, bearings, speed, gravity, load }, elements)
     }
 }

@@ -138,6 +138,11 @@ impl Loads {
                 loads.bending.push(unit(2 * count, 2 * node + 1));
             }
         }
+        for node in rotor.bearings.iter().map(|bearing| mesh.node(bearing.at)) {
+            loads.axial.push(unit(count, node));
+            loads.bending.push(unit(2 * count, 2 * node));
+            loads.bending.push(unit(2 * count, 2 * node + 1));
+        }
         // A disc at high speed holds its plane.
         let turning = rotor.shaft.discs.iter().filter(|disc| disc.axial_inertia > 0.0);
         loads.bending.extend(turning.map(|disc| unit(2 * count, 2 * mesh.node(disc.at) + 1)));

@@ -32,9 +32,15 @@ pub fn criticals(system: &System, speeds: &[f64], courses: &[Course], highest: f
 }
 
 /// Critical speeds without damping: a motion u e^(iΩt) solves K u = Ω² (1 − i G) u, a Hermitian problem whose positive
-/// eigenvalues 1/Ω² are all of them. The gyroscopic matrix at speed Ω is Ω G.
+/// eigenvalues 1/Ω² are all of them. The gyroscopic matrix at speed Ω is Ω G. Bearings change K with speed: each interval between
+/// two known speeds has its mean, and the criticals in or beside it.
 fn undamped(system: &System) -> Vec<(f64, Oscillation)> {
-    let stiffness = 0.5 * (system.stiffness() + system.stiffness().transpose());
+    let courses = system.stiffness_courses();
+    courses.into_iter().flat_map(|(stiffness, ends)| of_stiffness(system, stiffness, ends)).collect()
+}
+
+fn of_stiffness(system: &System, stiffness: DMatrix<f64>, [from, to]: [f64; 2]) -> Vec<(f64, Oscillation)> {
+    let stiffness = 0.5 * (&stiffness + stiffness.transpose());
     let Some(factor) = stiffness.cholesky().map(|cholesky| cholesky.l()) else { return Vec::new() };
     let size = factor.nrows();
     let lower = factor.map(Complex::from);
@@ -45,11 +51,13 @@ fn undamped(system: &System) -> Vec<(f64, Oscillation)> {
     let Some(whole) = lower.solve_lower_triangular(&half.adjoint()) else { return Vec::new() };
     let eigen = SymmetricEigen::new(whole);
     let largest = eigen.eigenvalues.amax();
+    // The mean stiffness of the interval puts a critical near its end beside it.
+    let (from, to) = (from - (to - from), to + (to - from));
     let mut found = Vec::new();
     for (index, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > f64::EPSILON * largest) {
         let speed = 1.0 / value.sqrt();
         let column: DVector<Complex<f64>> = eigen.eigenvectors.column(index).into_owned();
-        if let Some(vector) = lower.ad_solve_lower_triangular(&column) {
+        if let Some(vector) = lower.ad_solve_lower_triangular(&column).filter(|_| (from..=to).contains(&speed)) {
             let vector = vector.unscale(vector.norm());
             found.push((speed, Oscillation { value: Complex::new(0.0, speed), vector }));
         }

@@ -5,12 +5,13 @@ use nalgebra::DVector;
 use super::input::{Rotor, RotorError};
 use super::system::System;
 
-/// The coordinates at rest under weight and loads, with the rotating damping of the operating speed.
+/// The coordinates at rest under weight and loads at the operating speed.
+///
+/// Bearings are in equilibrium at the operating speed: it is the only speed of `system`, if there are any.
 pub fn deflection(system: &System, rotor: &Rotor) -> Result<DVector<f64>, RotorError> {
-    let centre = rotor.shaft.mass_centre();
-    let weight = system.coordinates.weight(rotor.shaft.mass() * rotor.gravity);
-    let load = system.coordinates.force(centre, rotor.load);
-    let force = DVector::from_iterator(weight.len(), weight.iter().zip(&load).map(|(weight, load)| weight + load));
+    if let Some(point) = system.operating.first() {
+        return Ok(point.coordinates.clone());
+    }
     let (stiffness, _) = system.matrices(rotor.speed);
-    stiffness.lu().solve(&force).ok_or(RotorError::Unrestrained)
+    stiffness.lu().solve(&system.load(rotor)).ok_or(RotorError::Unrestrained)
 }

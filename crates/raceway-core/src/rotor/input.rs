@@ -2,19 +2,33 @@
 
 use nalgebra::DMatrix;
 
+use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::shaft::Shaft;
 use crate::physics::frame::support::{PORT, Support};
+use crate::physics::statics::shaft::Mounted;
 
 /// Smallest stiffness of a rigid motion that holds it, relative to the largest [-]: below it, rounding decides.
 const LEAST_STIFFNESS: f64 = 1e-12;
 
-/// A shaft on linear supports.
-#[derive(Debug, Clone, PartialEq)]
+/// A ball bearing on a shaft.
+#[derive(Debug, Clone)]
+pub struct RotorBearing {
+    /// Place of its pocket plane along the shaft [m].
+    pub at: f64,
+    /// Bearing, facing and outer ring; its own position is that of `at`.
+    pub mounted: Mounted,
+    /// Damping of its contacts.
+    pub damping: DampingFactor,
+}
+
+/// A shaft on linear supports and ball bearings.
+#[derive(Debug, Clone)]
 pub struct Rotor {
     pub shaft: Shaft,
     pub unbalances: Vec<UnbalancePlane>,
     pub supports: Vec<Support>,
+    pub bearings: Vec<RotorBearing>,
     /// Operating speed [rad/s].
     pub speed: f64,
     /// Acceleration along +Y [m/s²].
@@ -24,7 +38,7 @@ pub struct Rotor {
 }
 
 impl Rotor {
-    /// Whether the supports' springs hold every rigid motion of the shaft.
+    /// Whether the supports' springs hold every rigid motion of the shaft. Bearings are left out.
     pub fn is_restrained(&self) -> bool {
         let (length, centre) = (self.shaft.length(), self.shaft.mass_centre());
         let size = if self.shaft.is_axially_free { PORT } else { PORT - 1 };
@@ -65,11 +79,16 @@ pub struct Request {
 }
 
 /// Reason why there is no result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum RotorError {
-    /// The supports leave a motion of the shaft free, or push it away.
-    #[error("the supports do not restrain every motion of the shaft")]
+    /// Supports and loaded bearings leave a motion of the shaft free, or push it away.
+    #[error(
+        "supports and loaded bearings do not restrain every motion of the shaft; a bearing without load has no stiffness"
+    )]
     Unrestrained,
+    /// No position of the shaft was found at which the bearings carry its loads.
+    #[error("no static equilibrium of shaft and bearings was found at {0:.1} rad/s")]
+    NoEquilibrium(f64),
     /// A shaft without mass, or with lengths too far apart for double precision.
     #[error("the shaft has no free modes")]
     Singular,

@@ -10,6 +10,7 @@ pub mod result;
 pub mod analysis;
 
 mod coordinates;
+mod operating;
 mod system;
 
 mod campbell;

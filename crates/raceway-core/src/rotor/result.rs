@@ -2,6 +2,8 @@
 
 pub use nalgebra::Complex;
 
+use crate::physics::frame::support::{PORT, PortMatrix};
+
 /// Everything that a rotor analysis returns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotorResult {
@@ -20,7 +22,9 @@ pub struct RotorResult {
     pub growth_rate: f64,
     pub criticals: Vec<Critical>,
     pub stations: Vec<StationResponse>,
+    /// Of the linear supports, then of the bearings.
     pub supports: Vec<SupportForces>,
+    pub bearings: Vec<BearingResult>,
     /// Static displacement x, y, z of each node at the operating speed [m].
     pub deflection: Vec<[f64; 3]>,
 }
@@ -91,4 +95,25 @@ pub struct SupportForces {
     pub at_rest: [f64; 5],
     /// Forces y and z of the unbalance for each requested speed: real part times e^(iΩt) [N].
     pub dynamic: Vec<[Complex<f64>; 2]>,
+}
+
+/// A ball bearing at the operating point, along the shaft's axes and about its own centre.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BearingResult {
+    /// [m]
+    pub at: f64,
+    /// Displacement of the inner ring from the outer one in the bearing's own axes [m, rad].
+    pub pose: [f64; PORT],
+    /// Mean, least and most over a ball spacing [N/m, N, N m/rad].
+    pub stiffness: PortMatrix,
+    pub least_stiffness: PortMatrix,
+    pub most_stiffness: PortMatrix,
+    /// Damping of the contacts for slow motions [N s/m, …].
+    pub damping: PortMatrix,
+    /// Largest load of a ball on the inner and on the outer raceway [N].
+    pub largest_loads: [f64; 2],
+    /// Share of the balls that the inner raceway presses [-].
+    pub loaded: f64,
+    /// Mean stiffness and damping at each requested speed.
+    pub over_speed: Vec<(PortMatrix, PortMatrix)>,
 }
