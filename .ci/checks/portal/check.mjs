@@ -369,13 +369,14 @@ async function surfaces(page) {
 
   const length = field(page, '/scene/surfaces/outer/defects/0/length_mm');
   await length.fill('900');
-  await page.locator('#surfaces > .error', { hasText: 'no less than' }).waitFor();
+  const tooLong = page.locator('#surfaces .item .error', { hasText: 'must be below' });
+  await tooLong.waitFor();
   await length.fill('0.3');
   await field(page, '/scene/surfaces/outer/defects/0/depth_um').fill('3');
   const facts = page.locator('.item .pairs').first();
   await facts.filter({ hasText: 'In the load zone' }).filter({ hasText: 'Entry to last impact' }).waitFor();
-  await page.waitForFunction(() => document.querySelector('#surfaces > .error').textContent === '');
-  ok('it has its facts beside it, and its errors');
+  await tooLong.waitFor({ state: 'detached' });
+  ok('it has its facts beside it, and its errors at the field');
 
   await page.getByRole('button', { name: 'Add inner defect' }).click();
   await page.getByRole('button', { name: 'Remove defect 1, inner raceway' }).click();
