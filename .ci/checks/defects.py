@@ -53,11 +53,21 @@ def refused(running, surfaces, pointer, **fields):
 
 def case_refusals(running):
     two = {"outer": {"defects": [slot()["defects"][0], {"azimuth_deg": 1, "length_mm": 1, "depth_um": 5}]}}
-    refused(running, two, "/scene/surfaces/outer/defects")
+    refused(running, two, "/scene/surfaces/outer/defects/1")
     refused(running, {"outer": slot(depth_um=2000)}, "/scene/surfaces/outer/defects/0/depth_um")
     refused(running, {"outer": slot(width_mm=1, across_mm=0.5)}, "/solver/rung")
     refused(running, {"outer": slot()}, "/solver/fixed_step_us",
             solver={"rung": "planar", "method": "dormand_prince", "fixed_step_us": 50})
+
+
+def case_condensed_level(running):
+    """Balls stay in a shallow spall: the radially condensed level agrees with the planar one. They leave it outside the load."""
+    condensed, planar = ({"rung": rung} for rung in ("radially_condensed", "planar"))
+    levels = [metrics(running, motor({"outer": slot(depth_um=3)}, solver=solver)).get("channels", {}).get(Y, {}).get("level_db", 0)
+              for solver in (condensed, planar)]
+    verdict(all(levels) and abs(levels[0] - levels[1]) < 0.2, f"spall of 1 mm and 3 µm, radially condensed and planar: {levels} dB")
+    refused(running, {"outer": slot(azimuth_deg=180)}, "/solver/rung", solver=condensed)
+    refused(running, {"balls": [{"ball": 1, "defects": [{"diameter_mm": 0.4, "depth_um": 2}]}]}, "/solver/rung", solver=condensed)
 
 
 run_cases(globals())

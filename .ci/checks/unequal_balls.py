@@ -74,9 +74,9 @@ def case_no_motion_repeats(running):
 def case_refusals(running):
     balls = "/scene/surfaces/balls"
     for fields, pointer, words in [
-            ([{"ball": 8}], balls, "7 balls"),
-            ([{"ball": 1}, {"ball": 1}], balls, "both of ball 1"),
-            ([{"ball": 1, "diameter_um": 30}], balls, "at most 27.78"),
+            ([{"ball": 8}], f"{balls}/0/ball", "7 balls"),
+            ([{"ball": 1}, {"ball": 1}], f"{balls}/1/ball", "both of ball 1"),
+            ([{"ball": 1, "diameter_um": 30}], f"{balls}/0/diameter_um", "at most 27.78"),
             ([{"diameter_um": 1}], f"{balls}/0/ball", "missing")]:
         refused(running, preloaded("planar", surfaces={"balls": fields}), pointer, words, f"{fields} is refused by its pointer")
     pockets = "/scene/bearing/cage/pocket_spacing_mrad"

@@ -116,10 +116,10 @@ def sources():
                         allowed=lambda z: lambda a, m, s: a == 0 and s == 0 and m % 2 == 0))
     found.append(Source("pocket spacing", LEVELS[:4], pockets=lambda z: [0, 0, 10] + [0] * (z - 3),
                         needed=lambda z, even: [(0, 1, 0)], allowed=any_cage))
-    found.append(Source("outer defect", LEVELS[:2], lambda z: {"outer": slot()},
+    found.append(Source("outer defect", LEVELS[:3], lambda z: {"outer": slot()},
                         needed=lambda z, even: harmonics(z, (1, 2, 3)), allowed=multiples))
     # The load zone modulates the passages of a defect that turns with the shaft.
-    found.append(Source("inner defect", LEVELS[:2], lambda z: {"inner": slot()},
+    found.append(Source("inner defect", LEVELS[:3], lambda z: {"inner": slot()},
                         needed=lambda z, even: [(z - 1, -z, 0), (z + 1, -z, 0)] + ([] if even else [(z, -z, 0)]),
                         allowed=lambda z: lambda a, m, s: s == 0 and m % z == 0 and abs(abs(a) - abs(m)) <= SIDEBANDS))
     ball = lambda **fields: lambda z: {"balls": [{"ball": 3, **fields}]}

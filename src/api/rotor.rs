@@ -9,6 +9,8 @@ use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
+use super::computation::computed;
+use super::concurrency::RequestPermit;
 use super::credentials::Owner;
 use super::error::ApiError;
 use super::openapi::{self, Anywhere, BadBody, BadQuery, NoJob, NoResult, NotAccepted, Unchanged};
@@ -45,13 +47,18 @@ const PYTHON: &str = "text/x-python";
     })),
     responses((status = 200, description = "The analysis", body = RotorAnswer), BadBody, NotAccepted, Anywhere)
 )]
-pub async fn analyse(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+pub async fn analyse(
+    headers: HeaderMap,
+    permit: RequestPermit,
+    _: Query<NoQuery>,
+    JsonBody(body): JsonBody,
+) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    let analysed = tokio::task::spawn_blocking(move || match contract::parse_rotor_request(&body)? {
+    let analysed = computed(&permit, move |_| match contract::parse_rotor_request(&body)? {
         Job::Rotor(rotor) => contract::execute_rotor(&rotor).map_err(refused),
         _ => Err(ApiError::Internal),
     });
-    Ok(Json(analysed.await.unwrap_or(Err(ApiError::Internal))?).into_response())
+    Ok(Json(analysed.await??).into_response())
 }
 
 /// A rotor that passes every check of its fields, but has no result.

@@ -1,5 +1,6 @@
 //! Runs a checked job.
 
+use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::recording::spectra::ChannelSpectra;
@@ -120,13 +121,21 @@ fn blowup(part: &str) -> RunFailure {
 
 fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
     let series = std::mem::take(&mut result.series);
-    let solver = &result.summary.solver;
+    let (solver, outputs) = (&result.summary.solver, &simulation.settings.outputs);
     let of_channel = |of: &ChannelSpectra| {
-        [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
-            .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
+        let unit = of.channel.unit();
+        let unit_of_envelope = match outputs.envelope {
+            EnvelopeKind::Magnitude => unit.to_owned(),
+            EnvelopeKind::Squared => format!("({unit})²"),
+        };
+        [
+            (SpectrumKind::Amplitude, unit.to_owned(), &of.amplitude),
+            (SpectrumKind::Envelope, unit_of_envelope, &of.envelope),
+        ]
+        .map(|(kind, unit, spectrum)| SpectrumAnswer::of((of.channel, unit), kind, spectrum, solver))
     };
     Simulated {
-        metrics: Metrics::of(&result, &simulation.settings.outputs),
+        metrics: Metrics::of(&result, outputs),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series,
         views: ViewsAnswer::of(&result.plot_data),

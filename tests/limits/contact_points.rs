@@ -81,7 +81,6 @@ impl Contact<'_> {
             raceway_speed: if self.is_outer { 0.0 } else { speed },
             orbit_speed: 0.4 * speed,
             azimuth: 0.0,
-            oversize: 0.0,
         };
         // Velocities across the groove and along it are what is left to the slip that is asked for.
         let slip = self.raceway((1, false)).load::<false>(&motion).slip;

@@ -48,7 +48,6 @@ fn raceways_take_energy_from_slip_spin_and_rolling() {
                     raceway_speed: speed,
                     orbit_speed: orbit,
                     azimuth: 0.0,
-                    oversize: 0.0,
                 };
                 let load = contact.load::<false>(&motion);
                 assert!(load.normal > 1.0);
@@ -83,7 +82,6 @@ fn rolling_friction_turns_no_ball_about_its_contact_normal() {
                 raceway_speed: speed,
                 orbit_speed: orbit,
                 azimuth: 0.0,
-                oversize: 0.0,
             };
             let load = contact.load::<false>(&motion);
             let (_, (towards_a, towards_r)) = contact.penetration::<false>(axial, radius);

@@ -11,8 +11,8 @@ use raceway::simulation::model::radially_condensed::{RadiallyCondensed, StepRati
 use serde_json::{Value, json};
 
 use crate::scenes::{
-    article, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, unequal, uneven_balls,
-    waves,
+    article, carrying_defects, changed, defects, disturbed, everything, model_on, nothing_asked, rates, scene, unequal,
+    uneven_balls, waves,
 };
 
 const TIME: f64 = 2.3e-4;
@@ -69,7 +69,7 @@ fn every_set_of_instructions_gives_the_same_bits() {
 }
 
 /// A run of the radially condensed model to the bit: two groups of balls, pocket walls, slip beyond the range of the fit,
-/// viscous raceways, every traction law, waves.
+/// viscous raceways, every traction law, waves, defects.
 #[test]
 fn runs_of_the_condensed_rung_have_the_same_bits() {
     let with = |change: Value| changed(article(), change);
@@ -82,6 +82,7 @@ fn runs_of_the_condensed_rung_have_the_same_bits() {
         with(json!({ "damping": { "raceway": { "law": "viscous", "viscous_n_s_per_m": 50.0 } } })),
         with(json!({ "lubricant": { "kind": "oil" }, "terms": { "hydrodynamics": "on" } })),
         with(waves()),
+        with(carrying_defects()),
         with(unequal()),
         with(changed(waves(), json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
     ];

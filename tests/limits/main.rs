@@ -6,6 +6,7 @@ mod article_run;
 mod scenes;
 
 mod ball_surfaces;
+mod condensed_defects;
 mod contact_points;
 mod defects;
 mod dissipation;
@@ -32,6 +33,7 @@ mod stability;
 mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
+mod tilting_spindle;
 mod unequal_balls;
 mod waviness;
 mod wrong_answers;

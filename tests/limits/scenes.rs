@@ -80,6 +80,16 @@ pub fn defects(across_mm: f64) -> Value {
     })
 }
 
+/// Surfaces with defects that carry the balls of the article's case.
+pub fn carrying_defects() -> Value {
+    json!({
+        "surfaces": {
+            "inner": { "defects": [{ "azimuth_deg": 10, "length_mm": 0.3, "depth_um": 1, "shape": "half_sine" }] },
+            "outer": { "defects": [{ "azimuth_deg": 2, "length_mm": 0.5, "width_mm": 0.4, "depth_um": 1 }] }
+        }
+    })
+}
+
 pub fn scene(json: &Value) -> Scene {
     scene_from_json(&json.to_string()).unwrap_or_else(|refusal| panic!("{refusal:?}\n{json:#}"))
 }
@@ -178,6 +188,10 @@ pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
     let mut spindle = layout.spindle(&state);
     spindle.position = spindle.position.map(|x| x + spread(2e-6));
     spindle.velocity = spindle.velocity.map(|_| spread(0.1));
+    if layout.tilting_spindle {
+        spindle.tilt = spindle.tilt.map(|tilt| tilt + spread(3e-4));
+        spindle.tilt_rate = spindle.tilt_rate.map(|_| spread(10.0));
+    }
     layout.set_spindle(&mut state, &spindle);
     state
 }

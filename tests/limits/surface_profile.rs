@@ -24,7 +24,6 @@ fn motion(contact: &RacewayContact, outer: bool, random: &mut Random, penetratio
         raceway_speed: if outer { 0.0 } else { 5236.0 },
         orbit_speed: 2058.0,
         azimuth: random.next(),
-        oversize: 0.0,
     }
 }
 

@@ -19,7 +19,9 @@ pub mod uncertainty;
 
 pub mod failure;
 
+pub mod envelope;
 pub mod resolve;
+pub mod resonance;
 pub mod surfaces;
 pub mod unit_warnings;
 

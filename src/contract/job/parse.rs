@@ -18,8 +18,9 @@ pub fn parse_job(body: &[u8]) -> Result<Job, Refusal> {
     Job::of(strict::read(body)?)
 }
 
-/// Reads `{ "jobs": … }`. Each job is accepted or refused on its own, with pointers from its own root.
-pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
+/// Reads `{ "jobs": … }`. Each job is accepted or refused on its own, with pointers from its own root. Jobs after `stop` has returned true are
+/// left out.
+pub fn parse_batch(body: &[u8], stop: &dyn Fn() -> bool) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Batch<'a> {
@@ -46,7 +47,7 @@ pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
         let detail = format!("{} jobs: must be from 1 to {MAX_JOBS}", jobs.len());
         return Err(FieldError::new("/jobs", detail).into());
     }
-    Ok(jobs.into_iter().map(|job| parse_job(job.get().as_bytes())).collect())
+    Ok(jobs.into_iter().take_while(|_| !stop()).map(|job| parse_job(job.get().as_bytes())).collect())
 }
 
 /// Reads a job, or `{ "scene": … }` for a simulation of it.

@@ -40,6 +40,26 @@ impl<const B: usize> Bordered<B> {
         self
     }
 
+    /// The border with the blocks eliminated: their Schur complement. Blocks without coupling may be singular.
+    pub fn condensed(&self) -> [[f64; B]; B] {
+        let mut condensed = self.border;
+        for block in self.blocks.iter().filter(|block| block.border != [[0.0; B]; 2]) {
+            let ([first, second], between, of) = (block.diagonal, block.between, block.border);
+            let per_determinant = 1.0 / (first * second - between * between);
+            for (row, entries) in condensed[..self.width].iter_mut().enumerate() {
+                let solved = [
+                    per_determinant * (second * of[0][row] - between * of[1][row]),
+                    per_determinant * (first * of[1][row] - between * of[0][row]),
+                ];
+                for (column, entry) in entries[..=row].iter_mut().enumerate() {
+                    *entry -= solved[0] * of[0][column] + solved[1] * of[1][column];
+                }
+            }
+        }
+        let lower = condensed;
+        std::array::from_fn(|row| std::array::from_fn(|column| lower[row.max(column)][row.min(column)]))
+    }
+
     /// The Cholesky factor, a matrix of the same shape; `None` unless the matrix is positive definite.
     pub fn factor(mut self) -> Option<Factor<B>> {
         for block in &mut self.blocks {

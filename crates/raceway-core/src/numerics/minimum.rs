@@ -75,6 +75,8 @@ impl Search {
     }
 }
 
+/// Largest magnitude; NaN where a value is NaN.
 fn largest(values: &[f64]) -> f64 {
-    values.iter().map(|value| value.abs()).fold(0.0, f64::max)
+    let larger = |most: f64, value: f64| if value > most || value.is_nan() { value } else { most };
+    values.iter().map(|value| value.abs()).fold(0.0, larger)
 }

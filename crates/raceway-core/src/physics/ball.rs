@@ -2,7 +2,7 @@
 
 use super::bearing::Bearing;
 use super::frames::{Azimuth, Vector};
-use crate::numerics::lanes::side_by_side;
+use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
 
 /// Motion of a ball, vectors in its orbit frame.
 #[derive(Debug, Clone, Copy, Default)]
@@ -37,6 +37,38 @@ pub struct BallBody<T = f64> {
     pub per_inertia: T,
 }
 side_by_side!(BallBody { oversize, mass, inertia, per_mass, per_inertia });
+
+/// Bodies of balls side by side: one for all, or one for each.
+pub(crate) trait Bodies: Copy {
+    /// The body of a lane.
+    fn of(&self, lane: usize) -> BallBody;
+    /// Mass and moment of inertia of each lane over a share of a step; equal balls share one division.
+    fn over(&self, share: f64) -> (Lanes, Lanes);
+}
+
+impl Bodies for BallBody {
+    #[inline(always)]
+    fn of(&self, _: usize) -> BallBody {
+        *self
+    }
+
+    #[inline(always)]
+    fn over(&self, share: f64) -> (Lanes, Lanes) {
+        (Lanes::all(self.mass / share), Lanes::all(self.inertia / share))
+    }
+}
+
+impl Bodies for BallBody<Lanes> {
+    #[inline(always)]
+    fn of(&self, lane: usize) -> BallBody {
+        self.at(lane)
+    }
+
+    #[inline(always)]
+    fn over(&self, share: f64) -> (Lanes, Lanes) {
+        (Lanes(self.mass.0.map(|mass| mass / share)), Lanes(self.inertia.0.map(|inertia| inertia / share)))
+    }
+}
 
 impl BallBody {
     /// A ball of a bearing whose diameter deviates from nominal [m].

@@ -59,8 +59,6 @@ pub struct RacewayContact {
     axial: SurfaceProfile,
     /// Surface of each ball as this raceway averages it; empty where all balls are spheres.
     balls: Arc<[Option<SphereProfile>]>,
-    /// Whether balls differ in size.
-    unequal_balls: bool,
 }
 
 /// Loads of balls side by side, to be compiled for each instruction set. Written where they are wanted: no copies.
@@ -141,7 +139,6 @@ impl RacewayContact {
             surface: SurfaceProfile::None,
             axial: SurfaceProfile::None,
             balls: Arc::new([]),
-            unequal_balls: false,
         };
         PerRaceway {
             inner: one(-1.0, hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
@@ -198,7 +195,7 @@ impl RacewayContact {
         self.balls.clone()
     }
 
-    /// Effects of the surfaces of the balls from `first` on; lanes beyond the last ball repeat it.
+    /// Effects of the surfaces of the balls from `first` on, without their sizes; lanes beyond the last ball repeat it.
     #[inline(never)]
     pub(crate) fn on_balls<const PLANAR: bool>(
         &self,
@@ -213,11 +210,6 @@ impl RacewayContact {
             }
         }
         on_ball
-    }
-
-    /// The same raceway for balls that differ in size.
-    pub(crate) fn with_unequal_balls(self) -> Self {
-        Self { unequal_balls: true, ..self }
     }
 
     /// The surface profile.
@@ -321,17 +313,21 @@ impl RacewayContact {
     ) -> Contact<Lanes<N>> {
         // A copy, so that the compiler knows that stores in the loop do not change it.
         let groove = self.groove;
-        let lift = self.lifts(motion, on_ball);
         let mut contact = Contact::<Lanes<N>>::default();
-        for lane in 0..N {
-            contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), lift.at(lane)));
-        }
-        if self.unequal_balls {
-            // A larger ball touches farther from its centre.
+        if self.is_circle() && on_ball.is_none() {
             for lane in 0..N {
-                contact.shift[lane] += motion.oversize[lane];
-                contact.apex[lane] += motion.oversize[lane];
+                contact.put(lane, groove.contact::<PLANAR>(&motion.at(lane), None));
             }
+            return contact;
+        }
+        let lift = self.lifts(motion, on_ball);
+        let oversize = on_ball.map_or(Lanes::default(), |on_ball| on_ball.oversize);
+        for lane in 0..N {
+            let mut one = groove.contact::<PLANAR>(&motion.at(lane), Some(lift.at(lane)));
+            // A larger ball touches farther from its centre.
+            one.shift += oversize[lane];
+            one.apex += oversize[lane];
+            contact.put(lane, one);
         }
         contact
     }
@@ -353,17 +349,15 @@ impl RacewayContact {
         (height, rise)
     }
 
-    /// Heights of the raceway, with the excess of the balls' radii.
+    /// Heights of the raceway alone.
     #[inline(always)]
     fn lifts_of_raceway<const N: usize>(&self, motion: &RelativeMotion<Lanes<N>>) -> (Lanes<N>, Lanes<N>) {
         if self.is_circle() {
-            let height = if self.unequal_balls { motion.oversize } else { Lanes::default() };
-            return (height, Lanes::default());
+            return Default::default();
         }
-        let (mut of, places) = self.heights(motion);
+        let (of, places) = self.heights(motion);
         let mut rise = <Lanes<N>>::default();
         for lane in 0..N {
-            of.height[lane] += motion.oversize[lane];
             rise[lane] = of.along[lane] * motion.at(lane).azimuth_rate();
         }
         if self.surface.is_narrow() {

@@ -106,7 +106,7 @@ impl SurfaceProfile {
             Self::None => Rise::default(),
             Self::Constant(height) => Rise { height: Lanes::all(*height), ..Rise::default() },
             Self::Table(table) => table.rises(azimuth),
-            // Models that ask for curvatures have no defects.
+            // Models that ask for curvatures are planar, where the table has all defects.
             Self::Narrow(surface) => surface.everywhere.rises(azimuth),
         }
     }

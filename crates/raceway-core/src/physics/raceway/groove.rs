@@ -5,7 +5,7 @@ use std::array::from_fn;
 use super::motion::{ContactSlopes, RacewayLoad, RelativeMotion};
 use super::strip_sums::{StripSlip, StripSums};
 use crate::numerics::angle::small_angle;
-use crate::numerics::lanes::{larger, side_by_side, smaller};
+use crate::numerics::lanes::{LANES, Lanes, larger, side_by_side, smaller};
 use crate::physics::contact::damping::{DampingFactor, normal_load, normal_slopes};
 use crate::physics::contact::film::{Film, Inlet};
 use crate::physics::contact::hertz::HertzContact;
@@ -88,17 +88,31 @@ impl GroovePlace {
     }
 }
 
-/// Effect of a ball's surface on a contact.
+/// Effect of a ball's size and surface on a contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct OnBall<T = f64> {
-    /// Height of the ball [m], and the rate at which it rises [m/s].
+    /// Radius of the ball less the nominal one [m].
+    pub(super) oversize: T,
+    /// Height of the ball over a nominal one [m], and the rate at which it rises [m/s].
     pub(super) height: T,
     pub(super) rise: T,
     /// Force [-] and moment [m] on the ball over the normal load.
     pub(super) force: Vector<T>,
     pub(super) moment: Vector<T>,
 }
-side_by_side!(OnBall { height, rise, force, moment });
+side_by_side!(OnBall { oversize, height, rise, force, moment });
+
+impl OnBall<Lanes> {
+    /// The effect of balls that are larger by some excess of their radii [m].
+    #[inline(always)]
+    pub(crate) fn grown(mut self, by: &Lanes) -> Self {
+        for lane in 0..LANES {
+            self.oversize[lane] += by[lane];
+            self.height[lane] += by[lane];
+        }
+        self
+    }
+}
 
 /// Largest share of the ball's radius that a contact reaches across the groove. Hertz's theory fails long before; the
 /// limit keeps extreme scenes finite.
@@ -157,6 +171,7 @@ impl Groove {
         let frame = [vt * per_radius, 0.0, per_distance * (va * across.0 + vr * across.1)];
         let aside = -per_distance * by_turn[2];
         OnBall {
+            oversize: 0.0,
             height,
             rise: dot(by_turn, subtract(frame, motion.spin)),
             force: [aside * across.0, aside * across.1, -per_radius * by_turn[0]],
@@ -171,16 +186,18 @@ impl Groove {
         (self.hertz.stiffness * root * root * root, 1.5 * self.hertz.stiffness * root)
     }
 
-    /// Geometry, normal load and slip of a contact on a raceway of some height, which rises under the ball at a rate; without
-    /// penetration its load is 0.
+    /// Geometry, normal load and slip of a contact; without penetration its load is 0. `lift`: height of the surfaces [m], and the rate
+    /// at which they rise [m/s].
     #[inline(always)]
-    pub(super) fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, (height, rise): (f64, f64)) -> Contact {
+    pub(super) fn contact<const PLANAR: bool>(&self, motion: &RelativeMotion, lift: Option<(f64, f64)>) -> Contact {
         let (mut penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
         let (towards_a, towards_r) = towards;
         let [va, vr, vt] = motion.velocity;
         let mut rate = if PLANAR { towards_r * vr } else { towards_a * va + towards_r * vr };
-        penetration += height;
-        rate += rise;
+        if let Some((height, rise)) = lift {
+            penetration += height;
+            rate += rise;
+        }
         let normal = normal_load(self.hertz.stiffness, penetration, rate, &self.damping);
         // a² goes with δ: the roots of heights need not wait for that of a.
         let (depth, largest) = (larger(penetration, 0.0), LARGEST_CONTACT * self.ball_radius);

@@ -20,10 +20,8 @@ pub struct RelativeMotion<T = f64> {
     pub orbit_speed: T,
     /// Azimuth of the ball on the raceway itself, about its own axis [rad]; only a surface profile asks for it.
     pub azimuth: T,
-    /// Radius of the ball less the nominal one [m]; only a raceway of unequal balls asks for it.
-    pub oversize: T,
 }
-side_by_side!(RelativeMotion { axial, radius, velocity, spin, raceway_speed, orbit_speed, azimuth, oversize });
+side_by_side!(RelativeMotion { axial, radius, velocity, spin, raceway_speed, orbit_speed, azimuth });
 
 impl RelativeMotion {
     /// Rate at which the ball's azimuth on the raceway changes [rad/s].

@@ -95,7 +95,7 @@ impl Balance<'_> {
             first_damping: if balls.is_some() { 0.0 } else { force / FIRST_STEP },
         };
         let residual = search.minimise(self, &mut place).residual();
-        if !(residual <= 1e-6 * force + 1e-9) {
+        if residual.is_nan() || residual > 1e-6 * force + 1e-9 {
             return Err(NoBalance::Unbalanced { residual, applied: force });
         }
         let (border, balls) = self.parts(&place);
@@ -175,27 +175,29 @@ impl Potential<BORDER> for Balance<'_> {
                     block.diagonal[k] = share * ball.hessian[k][k];
                 }
                 block.between = share * ball.hessian[1][0];
-                for k in 0..FREEDOMS {
-                    let of_pose = &ball.hessian[OF_BALL + k];
-                    of_ring[k] += share * ball.gradient[OF_BALL + k];
-                    for column in 0..OF_BALL {
-                        for row in 0..width {
-                            block.border[column][row] += share * of_pose[column] * link.by[k][row];
-                        }
+                for (column, entries) in block.border.iter_mut().enumerate() {
+                    for (k, by) in link.by.iter().enumerate() {
+                        let coupling = share * ball.hessian[OF_BALL + k][column];
+                        entries[..width].iter_mut().zip(by).for_each(|(entry, by)| *entry += coupling * by);
                     }
-                    for other in 0..=k {
-                        ring[k][other] += share * of_pose[OF_BALL + other];
+                }
+                for (k, row) in ring.iter_mut().enumerate() {
+                    of_ring[k] += share * ball.gradient[OF_BALL + k];
+                    for (other, entry) in row[..=k].iter_mut().enumerate() {
+                        *entry += share * ball.hessian[OF_BALL + k][OF_BALL + other];
                     }
                 }
                 index += 1;
             }
-            for k in 0..FREEDOMS {
-                for row in 0..width {
-                    gradient_of_border[row] += of_ring[k] * link.by[k][row];
-                    for other in 0..FREEDOMS {
-                        let entry = ring[k.max(other)][k.min(other)];
-                        for column in 0..=row {
-                            hessian.border[row][column] += entry * link.by[k][row] * link.by[other][column];
+            for (force, by) in of_ring.iter().zip(&link.by) {
+                gradient_of_border.iter_mut().zip(by).for_each(|(slope, by)| *slope += force * by);
+            }
+            for (row, entries) in hessian.border[..width].iter_mut().enumerate() {
+                for (column, sum) in entries[..=row].iter_mut().enumerate() {
+                    for k in 0..FREEDOMS {
+                        for other in 0..FREEDOMS {
+                            let entry = ring[k.max(other)][k.min(other)];
+                            *sum += entry * link.by[k][row] * link.by[other][column];
                         }
                     }
                 }

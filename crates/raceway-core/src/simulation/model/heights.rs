@@ -1,4 +1,4 @@
-//! Heights of wavy raceways and balls in the models whose balls are in radial equilibrium between both raceways.
+//! Heights of raceways with waves and defects and of wavy balls in the models whose balls are in radial equilibrium between both raceways.
 //!
 //! Heights add to the approach of the raceways, D = s_r − s_t²/(2r) − P_d/2 + h_i + h_e, and the ball stands at r = r₀ + δ_e − h_e. Each
 //! raceway pushes the ball along the orbit by −Q h'/r, where r is the distance of the ball from the raceway's axis. The raceway takes the
@@ -73,7 +73,7 @@ impl<const N: usize> Heights<Lanes<N>> {
     }
 }
 
-/// Raceways and balls of a scene with waves.
+/// Raceways and balls of a scene with waves or defects.
 #[derive(Debug, Clone)]
 pub(crate) struct Waves {
     surface: PerRaceway<SurfaceProfile>,
@@ -82,7 +82,7 @@ pub(crate) struct Waves {
 }
 
 impl Waves {
-    /// The waves of a planar mechanism; `None` where both raceways are ideal circles and all balls spheres.
+    /// The heights of a planar mechanism; `None` where both raceways are ideal circles and all balls spheres.
     pub(crate) fn of(mechanism: &Mechanism) -> Option<Self> {
         let surface = mechanism.raceway.map(|contact| contact.surface().clone());
         let balls = mechanism.layout.attitude.then(|| mechanism.raceway.map(|contact| contact.shared_balls()));

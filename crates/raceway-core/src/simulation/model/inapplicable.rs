@@ -17,9 +17,15 @@ pub enum Inapplicable {
     )]
     UnevenPockets,
     #[error(
-        "a ball may leave both raceways over a defect (scene.surfaces), and this model keeps it in equilibrium between them"
+        "local defects (scene.surfaces) drive balls along their raceways and hold them back, and this model lets balls roll ideally"
     )]
     Defects,
+    #[error("a ball has a defect (scene.surfaces.balls), which may part it from its raceways at any place")]
+    BallDefects,
+    #[error(
+        "a ball may leave its raceways over a defect (scene.surfaces.{ring}.defects): {load:.2} N press it there at rest, and it needs {needed:.2} N to follow the edge"
+    )]
+    BallLeavesDefect { ring: &'static str, load: f64, needed: f64 },
     #[error("an axial load acts")]
     AxialLoad,
     #[error("the spindle moves along X")]
@@ -28,6 +34,8 @@ pub enum Inapplicable {
     SpindleOffCentre,
     #[error("the spindle is misaligned")]
     Misaligned,
+    #[error("the spindle tilts (spindle.tilt is free)")]
+    SpindleTilts,
     #[error("a defect lies beside the groove's bottom (across_mm) and pushes balls along X")]
     DefectBesideBottom,
     #[error("waves of a groove along the axis (axial_waviness) push balls along X")]

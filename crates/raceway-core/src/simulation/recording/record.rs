@@ -4,6 +4,7 @@ use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::ball_tracks::BallTrack;
 use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::off_raceway::OffShare;
@@ -77,8 +78,12 @@ pub struct Recording {
     /// Orbit speed of balls that roll at their loaded contact angles over the shaft speed, mean of the balls with load [-]; `None` where too
     /// few balls carry load, and where it was not requested.
     pub loaded_orbit_ratio: Option<f64>,
+    /// Magnitude of the mean orbit speed of the balls over the recorded time [rad/s]. The cage moves on by its pockets' clearance beside them.
+    pub orbit_speed: f64,
     /// Mean spin of a ball about its own axis in the orbit frame [rad/s].
     pub ball_spin: f64,
+    /// How each ball rolls, where one is no sphere and the model knows; else empty.
+    pub tracks: Vec<BallTrack>,
     /// Scalar results of consecutive parts of the recorded time.
     pub parts: Vec<Quantities>,
     /// Loads of the first ball over its azimuth, where contacts are requested.

@@ -28,9 +28,9 @@ const FLOOR_FACTOR: f64 = 4.0;
 const LEAST_SHARE: f64 = 1e-3;
 
 /// A label may be off by this many bins …
-const TOLERANCE_BINS: f64 = 0.5;
+pub(super) const TOLERANCE_BINS: f64 = 0.5;
 /// … plus this share of the terms that turn with the cage, the uncertainty of the mean slip of a run. The shaft does not slip.
-const TOLERANCE_SHARE: f64 = 5e-4;
+pub(super) const TOLERANCE_SHARE: f64 = 5e-4;
 /// Smallest frequency of a label in tolerances: closer combs would fit any line.
 const SEPARATION: f64 = 6.0;
 /// Largest cost of a label with more than one term.

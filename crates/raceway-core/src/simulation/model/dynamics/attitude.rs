@@ -148,25 +148,45 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         advanced
     }
 
-    /// Effects of the surfaces of the balls from `first` on both contacts.
+    /// Effects of sizes and surfaces of the balls from `first` on both contacts. Nominal spheres have none, and need no call.
     #[inline(never)]
     pub(super) fn on_balls<F: ContactFrame>(
         &self,
         first: usize,
-        attitude: &BallAttitude<Lanes>,
+        attitude: Option<&[BallAttitude<Lanes>; 2]>,
         relative: &PerRaceway<RelativeMotion<Lanes>>,
         frames: &F::Several,
         shaft: Shaft,
     ) -> PerRaceway<OnBall<Lanes>> {
-        let poses = self.poses(first, attitude, shaft);
-        PerRaceway {
-            inner: self.on_balls_at_inner::<F>(first, &poses, &relative.inner, frames),
-            outer: self.mechanism().raceway.outer.on_balls::<PLANAR>(first, &relative.outer, &poses),
+        let inner = self.on_balls_at_inner::<F>(first, attitude, &relative.inner, frames, shaft);
+        let mut outer = OnBall::default();
+        if let Some([attitude, _]) = attitude {
+            let poses = self.poses(first, attitude, shaft);
+            outer = self.mechanism().raceway.outer.on_balls::<PLANAR>(first, &relative.outer, &poses);
         }
+        PerRaceway { inner, outer: outer.grown(&self.mechanism().bodies[first / LANES].oversize) }
+    }
+
+    /// The same on the inner contacts alone.
+    #[inline(never)]
+    pub(super) fn on_balls_at_inner<F: ContactFrame>(
+        &self,
+        first: usize,
+        attitude: Option<&[BallAttitude<Lanes>; 2]>,
+        relative: &RelativeMotion<Lanes>,
+        frames: &F::Several,
+        shaft: Shaft,
+    ) -> OnBall<Lanes> {
+        let mut on_balls = OnBall::default();
+        if let Some([attitude, _]) = attitude {
+            let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, shaft), frames);
+            on_balls = self.mechanism().raceway.inner.on_balls::<PLANAR>(first, relative, &poses);
+        }
+        on_balls.grown(&self.mechanism().bodies[first / LANES].oversize)
     }
 
     /// Poses of the balls from `first` on in the frames of the outer contacts, which are the orbit frames.
-    pub(super) fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, shaft: Shaft) -> BallPose<Lanes> {
+    fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, shaft: Shaft) -> BallPose<Lanes> {
         let mut poses = BallPose::<Lanes>::default();
         let turn = self.one().ideal_turn(shaft);
         let ideal = Azimuth::new(turn);
@@ -185,15 +205,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         poses
     }
 
-    /// Effects on the inner contacts of balls in some poses at the outer ones.
-    #[inline(never)]
-    pub(super) fn on_balls_at_inner<F: ContactFrame>(
-        &self,
-        first: usize,
-        outer: &BallPose<Lanes>,
-        relative: &RelativeMotion<Lanes>,
-        frames: &F::Several,
-    ) -> OnBall<Lanes> {
+    /// Poses in the frames of the inner contacts of balls in some poses at the outer ones.
+    fn poses_at_inner<F: ContactFrame>(&self, outer: &BallPose<Lanes>, frames: &F::Several) -> BallPose<Lanes> {
         let mut inner = BallPose::<Lanes>::default();
         for lane in 0..LANES {
             let (pose, frame) = (outer.at(lane), frames.at(lane));
@@ -203,6 +216,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             };
             inner.put(lane, pose);
         }
-        self.mechanism().raceway.inner.on_balls::<PLANAR>(first, relative, &inner)
+        inner
     }
 }

@@ -1,17 +1,17 @@
 //! Equations (1)–(14) in vector form: each contact gives one force and one moment, applied with
 //! opposite sign to the two bodies it joins.
 
-use super::ball_group::{Balls, Slopes};
+use super::ball_group::{BallLoads, Balls, Slopes};
 use super::border::{Border, CagePose, Shaft};
-use super::contact_frame::{ContactFrame, StraightFrame, TiltedFrame};
+use super::contact_frame::{ContactFrame, StraightFrame, TiltedAxis, TiltedFrame};
 use super::forces::{Reaction, Wrench};
-use super::one_ball::{OneBall, on_inner, on_pocket};
+use super::one_ball::{OneBall, moment_on_inner, on_inner, on_pocket};
 use super::watch::Watch;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
-use crate::physics::ball::BallMotion;
+use crate::physics::ball::{BallMotion, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
-use crate::physics::frames::{Azimuth, Tilt, Vector, add, length, scale};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, length, scale};
 use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
@@ -35,8 +35,8 @@ pub type Planar = Dynamics<true>;
 pub struct Dynamics<const PLANAR: bool> {
     mechanism: Mechanism,
     one: OneBall,
-    /// The spindle's axis in the inertial frame; `None`: along X.
-    tilted_axis: Option<Vector>,
+    /// Axis of a spindle that is held at a tilt; `None`: along X.
+    held_axis: Option<TiltedAxis>,
     /// Vector instructions of the processor for balls side by side.
     instructions: InstructionSet,
     /// Displacements of the Jacobian: of the entries of a ball, of cage and spindle.
@@ -45,9 +45,8 @@ pub struct Dynamics<const PLANAR: bool> {
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub fn new(mechanism: Mechanism) -> Self {
-        let [about_y, about_z] = mechanism.misalignment;
-        let tilted_axis =
-            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
+        let held_axis =
+            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| TiltedAxis::new(mechanism.misalignment, [0.0; 2]));
         let one_ball = Layout { balls: 1, ..mechanism.layout };
         let displacements = one_ball.sizes().iter().map(|size| DISPLACEMENT * size).collect();
         let one = OneBall {
@@ -57,8 +56,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             gravity: mechanism.gravity,
             axial_offset: mechanism.axial_offset,
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
+            body: mechanism.nominal_body,
         };
-        Self { mechanism, one, tilted_axis, instructions: InstructionSet::best(), displacements }
+        Self { mechanism, one, held_axis, instructions: InstructionSet::best(), displacements }
     }
 
     /// The same equations with other instructions of the same processor.
@@ -101,8 +101,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         // The state is gathered before the border: the scalar stores reach the cache before the vector loads.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), time);
-        let mut sum = Reaction::default();
-        let mut balls = Balls::default();
+        let (mut sum, mut on_tilt) = (Reaction::default(), [0.0; 3]);
+        let mut balls = Balls { on_tilt: self.on_tilt(), ..Balls::default() };
         for first in (0..layout.balls).step_by(LANES) {
             if first > 0 {
                 state = layout.side_by_side::<PLANAR>(y, first);
@@ -112,6 +112,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             }
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
+            balls.add_on_tilt(&mut on_tilt, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
             if let Some([_, rates]) = &balls.attitude {
                 layout.set_attitudes(dy, first, rates);
@@ -125,7 +126,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             });
         }
         layout.set_cage(dy, &self.cage_rates(&border, &sum));
-        layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));
+        layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle, on_tilt));
     }
 
     /// Evaluates motion, rates and reactions of the balls from `first` on.
@@ -140,10 +141,25 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         slopes: Option<&mut Slopes<Lanes>>,
     ) {
         let asked = (watch, slopes);
-        match self.tilted_axis {
-            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, asked),
+        match self.axis(&border.spindle) {
+            Some(axis) => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, asked),
             _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, asked),
         }
+    }
+
+    /// Axis of the spindle; `None`: along X.
+    #[inline(always)]
+    fn axis(&self, spindle: &SpindleState) -> Option<TiltedAxis> {
+        match self.mechanism.layout.tilting_spindle {
+            _ if PLANAR => None,
+            true => Some(TiltedAxis::new(spindle.tilt, spindle.tilt_rate)),
+            false => self.held_axis,
+        }
+    }
+
+    /// Space for the moments of balls on a spindle that tilts.
+    pub(super) fn on_tilt(&self) -> Option<Vector<Lanes>> {
+        self.mechanism.layout.tilting_spindle.then(Default::default)
     }
 
     #[inline(always)]
@@ -159,8 +175,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let m = &self.mechanism;
         let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
-        // A copy, so that the compiler knows that no store in the loops changes it.
-        let bodies = m.bodies[first / LANES];
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
@@ -172,15 +186,20 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.motion.put(lane, motion);
         }
         self.turn_azimuths::<F>(&frames, &mut relative.inner);
-        if m.largest_oversize.is_some() {
-            (relative.inner.oversize, relative.outer.oversize) = (bodies.oversize, bodies.oversize);
-        }
         m.raceway.outer.place_in_groove(&mut relative.outer);
         m.raceway.inner.place_in_groove(&mut relative.inner);
-        let on_balls = balls.attitude.as_mut().map(|[attitude, rates]| {
+        if let Some([attitude, rates]) = &mut balls.attitude {
             *rates = self.attitude_rates(state, attitude, shaft);
-            self.on_balls::<F>(first, attitude, &relative, &frames, shaft)
-        });
+        }
+        // Filled in only where balls differ from nominal spheres.
+        let of_balls;
+        let on_balls = match self.has_nominal_spheres() {
+            true => None,
+            false => {
+                of_balls = self.on_balls::<F>(first, balls.attitude.as_ref(), &relative, &frames, shaft);
+                Some(&of_balls)
+            }
+        };
         // Drag stands before the raceways: its long dependency chains overlap with their work.
         let (mut drag_force, mut churning_factor) = (<Lanes>::default(), <Lanes>::default());
         if let Some(drag) = m.drag {
@@ -197,9 +216,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let of_pocket = slopes.as_deref_mut().map(|slopes| &mut slopes.pocket);
         self.pockets(first, &balls.motion, &pose, &mut in_pocket, &mut places, of_pocket);
         let mut load: PerRaceway<RacewayLoad<Lanes>> = PerRaceway::default();
-        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, on_balls.as_ref(), &mut load, self.instructions);
+        RacewayContact::pair_of_loads::<PLANAR>(&m.raceway, &relative, on_balls, &mut load, self.instructions);
         if let Some(slopes) = slopes {
-            let (on_inner, on_outer) = (on_balls.as_ref().map(|on| &on.inner), on_balls.as_ref().map(|on| &on.outer));
+            let (on_inner, on_outer) = (on_balls.map(|on| &on.inner), on_balls.map(|on| &on.outer));
             m.raceway.outer.slopes::<PLANAR>(&relative.outer, on_outer, &load.outer, &mut slopes.raceway.outer);
             m.raceway.inner.slopes::<PLANAR>(&relative.inner, on_inner, &load.inner, &mut slopes.raceway.inner);
             m.raceway.outer.rolling_speeds(
@@ -224,17 +243,20 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 slopes.arm.put(lane, tilt.to_inertial(add(places.at(lane), in_pocket.lever.at(lane))));
             }
         }
-        for lane in 0..LANES {
-            let motion = balls.motion.at(lane);
-            let (force, moment) = (load.outer.force.at(lane), load.outer.moment.at(lane));
-            let (inner, spindle) = on_inner(motion.azimuth, &frames.at(lane), &load.inner.at(lane));
-            let (pocket, [cage_force, cage_moment]) =
-                on_pocket(motion.azimuth, &pose.motion.tilt, places.at(lane), &in_pocket.at(lane));
-            let surroundings =
-                Wrench { force: [0.0, 0.0, drag_force[lane]], moment: scale(-churning_factor[lane], motion.spin) };
-            let wrench = inner.and(Wrench { force, moment }).and(pocket).and(surroundings);
-            balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
-            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.at(lane), wrench, shaft));
+        let loads = BallLoads {
+            frames: &frames,
+            raceway: &load,
+            pocket: &in_pocket,
+            places: &places,
+            drag: &drag_force,
+            churning_factor: &churning_factor,
+        };
+        match m.unequal_bodies(first) {
+            None => self.respond::<F>(state, border, &loads, one.body, balls),
+            Some(bodies) => self.respond::<F>(state, border, &loads, *bodies, balls),
+        }
+        if let Some(on_tilt) = &mut balls.on_tilt {
+            *on_tilt = moments_on_inner::<F>(&balls.motion, &frames, &load.inner);
         }
         if let Some(watch) = watch {
             for lane in 0..LANES.min(m.layout.balls - first) {
@@ -252,6 +274,40 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
         }
+    }
+
+    /// Writes the rates of balls of some size and mass under their loads, and their reactions.
+    #[inline(always)]
+    fn respond<F: ContactFrame>(
+        &self,
+        state: &BallState<Lanes>,
+        border: &Border,
+        loads: &BallLoads<F>,
+        bodies: impl Bodies,
+        balls: &mut Balls,
+    ) {
+        let (one, Border { pose, shaft, .. }) = (self.one, *border);
+        for lane in 0..LANES {
+            let motion = balls.motion.at(lane);
+            let outer = loads.raceway.outer.at(lane);
+            let (inner, spindle) = on_inner(motion.azimuth, &loads.frames.at(lane), &loads.raceway.inner.at(lane));
+            let (pocket, [cage_force, cage_moment]) =
+                on_pocket(motion.azimuth, &pose.motion.tilt, loads.places.at(lane), &loads.pocket.at(lane));
+            let surroundings = Wrench {
+                force: [0.0, 0.0, loads.drag[lane]],
+                moment: scale(-loads.churning_factor[lane], motion.spin),
+            };
+            let outer = Wrench { force: outer.force, moment: outer.moment };
+            let wrench = inner.and(outer).and(pocket).and(surroundings);
+            balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.of(lane), wrench, shaft));
+        }
+    }
+
+    /// Returns true where contacts need nothing of the balls but their motion.
+    #[inline(always)]
+    fn has_nominal_spheres(&self) -> bool {
+        !self.mechanism.layout.attitude && self.mechanism.has_equal_balls()
     }
 
     /// Refers azimuths on the inner raceway to its own axis, where it is not a circle.
@@ -290,8 +346,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             relative.put(lane, motion);
             places.put(lane, place);
         }
-        if m.largest_oversize.is_some() {
-            relative.oversize = m.bodies[first / LANES].oversize;
+        if let Some(bodies) = m.unequal_bodies(first) {
+            relative.oversize = bodies.oversize;
         }
         match slopes {
             None => m.pocket.loads(&relative, load),
@@ -301,9 +357,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Loads of the inner raceway on the balls from `first` on, and of the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner_part(&self, first: usize, balls: &Balls, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
-        match self.tilted_axis {
-            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(first, balls, border, &axis),
+    pub(super) fn inner_part(&self, first: usize, balls: &Balls, border: &Border) -> InnerPart {
+        match self.axis(&border.spindle) {
+            Some(axis) => self.inner_part_in::<TiltedFrame>(first, balls, border, &axis),
             _ => self.inner_part_in::<StraightFrame>(first, balls, border, &()),
         }
     }
@@ -315,7 +371,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         Balls { motion, attitude, .. }: &Balls,
         border: &Border,
         axis: &F::Axis,
-    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+    ) -> InnerPart {
         let (one, axis, Border { spindle, shaft, .. }) = (self.one, *axis, *border);
         let mut relative = RelativeMotion::<Lanes>::default();
         let mut frames = F::Several::default();
@@ -326,22 +382,26 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         self.turn_azimuths::<F>(&frames, &mut relative);
         self.mechanism.raceway.inner.place_in_groove(&mut relative);
-        if self.mechanism.largest_oversize.is_some() {
-            relative.oversize = self.mechanism.bodies[first / LANES].oversize;
-        }
         let mut load = RacewayLoad::<Lanes>::default();
-        let on_balls = attitude.as_ref().map(|[attitude, _]| {
-            let poses = self.poses(first, attitude, shaft);
-            self.on_balls_at_inner::<F>(first, &poses, &relative, &frames)
-        });
-        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, on_balls.as_ref(), &mut load, self.instructions);
-        let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
+        let of_balls;
+        let on_balls = match self.has_nominal_spheres() {
+            true => None,
+            false => {
+                of_balls = self.on_balls_at_inner::<F>(first, attitude.as_ref(), &relative, &frames, shaft);
+                Some(&of_balls)
+            }
+        };
+        self.mechanism.raceway.inner.loads::<PLANAR>(&relative, on_balls, &mut load, self.instructions);
+        let mut part = InnerPart { wrench: Wrench::default(), on_spindle: Default::default(), on_tilt: None };
         for lane in 0..LANES {
             let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
-            parts.0.put(lane, wrench);
-            parts.1.put(lane, reaction);
+            part.wrench.put(lane, wrench);
+            part.on_spindle.put(lane, reaction);
         }
-        parts
+        if self.mechanism.layout.tilting_spindle {
+            part.on_tilt = Some(moments_on_inner::<F>(motion, &frames, &load));
+        }
+        part
     }
 
     /// Loads of the pockets on their balls, and force and moment of the balls on the cage.
@@ -374,12 +434,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         motion: &BallMotion<Lanes>,
         wrench: &Wrench<Lanes>,
     ) -> BallState<Lanes> {
-        let (one, bodies) = (self.one, self.mechanism.bodies[first / LANES]);
-        let mut response = BallState::<Lanes>::default();
-        for lane in 0..LANES {
-            response.put(lane, one.response(&motion.at(lane), &bodies.at(lane), wrench.at(lane)));
+        match self.mechanism.unequal_bodies(first) {
+            None => self.one.responses(motion, self.one.body, wrench),
+            Some(bodies) => self.one.responses(motion, *bodies, wrench),
         }
-        response
     }
 
     #[inline(always)]
@@ -452,15 +510,23 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Rates of the spindle caused by a reaction.
+    /// Rates of the spindle caused by a reaction and a moment. The moment is taken along the axes that the tilt angles turn about: Y and the
+    /// new Z.
     #[inline(always)]
-    pub(super) fn spindle_response(&self, reaction: Vector) -> SpindleState {
-        SpindleState { velocity: scale(1.0 / self.mechanism.spindle_mass, reaction), ..SpindleState::default() }
+    pub(super) fn spindle_response(&self, reaction: Vector, moment: Vector, tilt: [f64; 2]) -> SpindleState {
+        let velocity = scale(1.0 / self.mechanism.spindle_mass, reaction);
+        let mut response = SpindleState { velocity, ..SpindleState::default() };
+        if let Some(inertia) = self.mechanism.spindle_inertia {
+            let [_, _, z] = Tilt::new(tilt[0], tilt[1]).columns;
+            response.tilt_rate = [moment[1] / inertia.transverse, dot(moment, z) / inertia.transverse];
+        }
+        response
     }
 
-    /// Equations (13), (14), and X where the spindle is free.
+    /// Equations (13), (14), and X and tilt where the spindle is free: I_t β̈_y + I_p Ω β̇_z = M_y, I_t β̈_z − I_p Ω β̇_y = M_z. The drive
+    /// follows the tilted axis.
     #[inline(always)]
-    pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector) -> SpindleState {
+    pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector, moment: Vector) -> SpindleState {
         let &Border { spindle: state, shaft: (angle, speed, acceleration), damping, .. } = border;
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
@@ -469,8 +535,39 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
         }
         force = add(force, scale(-damping * m.spindle_mass, state.velocity));
-        SpindleState { position: state.velocity, ..self.spindle_response(force) }
+        let mut rates = SpindleState { position: state.velocity, ..self.spindle_response(force, moment, state.tilt) };
+        if let Some(inertia) = m.spindle_inertia {
+            let gyroscopic = inertia.axial * speed / inertia.transverse;
+            let [rate_y, rate_z] = state.tilt_rate;
+            rates.tilt = state.tilt_rate;
+            rates.tilt_rate[0] -= gyroscopic * rate_z + damping * rate_y;
+            rates.tilt_rate[1] += gyroscopic * rate_y - damping * rate_z;
+        }
+        rates
     }
+}
+
+/// Loads of the inner raceway on balls side by side.
+pub(super) struct InnerPart {
+    pub wrench: Wrench<Lanes>,
+    /// Forces on the spindle, inertial frame [N].
+    pub on_spindle: Vector<Lanes>,
+    /// Moments on a spindle that tilts, inertial frame [N m].
+    pub on_tilt: Option<Vector<Lanes>>,
+}
+
+/// Moments of balls side by side on the inner ring about its centre, inertial frame [N m].
+#[inline(never)]
+fn moments_on_inner<F: ContactFrame>(
+    motion: &BallMotion<Lanes>,
+    frames: &F::Several,
+    load: &RacewayLoad<Lanes>,
+) -> Vector<Lanes> {
+    let mut moments = <Vector<Lanes>>::default();
+    for lane in 0..LANES {
+        moments.put(lane, moment_on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane)));
+    }
+    moments
 }
 
 /// One evaluation, compiled for each instruction set.

@@ -3,7 +3,8 @@
 use super::border::{CagePose, Shaft};
 use super::contact_frame::ContactFrame;
 use super::forces::Wrench;
-use crate::physics::ball::{BallAcceleration, BallBody, BallMotion};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::physics::ball::{BallAcceleration, BallBody, BallMotion, Bodies};
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
@@ -18,6 +19,8 @@ pub(super) struct OneBall {
     pub orbit_ratio: f64,
     pub spin_ratio: f64,
     pub gravity: f64,
+    /// A nominal ball.
+    pub body: BallBody,
     /// Axial displacement at which the spindle is held [m].
     pub axial_offset: f64,
     /// Centre of the first pocket, in the orbit frame of the cage.
@@ -53,7 +56,6 @@ impl OneBall {
             raceway_speed: 0.0,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle,
-            oversize: 0.0,
         }
     }
 
@@ -72,15 +74,15 @@ impl OneBall {
         let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
         let frame = F::new(axis, motion.azimuth, from_centre);
         let (axial, radius) = frame.place();
+        let (carried, tilting) = F::carried(axis, motion.azimuth, from_centre);
         let relative = RelativeMotion {
             axial,
             radius,
-            velocity: frame.components(subtract(motion.velocity, velocity)),
-            spin: frame.components(motion.spin),
+            velocity: frame.components(subtract(subtract(motion.velocity, velocity), carried)),
+            spin: frame.components(subtract(motion.spin, tilting)),
             raceway_speed: speed,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
-            oversize: 0.0,
         };
         (relative, frame)
     }
@@ -128,7 +130,22 @@ impl OneBall {
         }
     }
 
-    /// Rates caused by force and moment alone.
+    /// Rates of balls side by side caused by forces and moments alone.
+    #[inline(always)]
+    pub(super) fn responses(
+        self,
+        motion: &BallMotion<Lanes>,
+        bodies: impl Bodies,
+        wrench: &Wrench<Lanes>,
+    ) -> BallState<Lanes> {
+        let mut responses = BallState::<Lanes>::default();
+        for lane in 0..LANES {
+            responses.put(lane, self.response(&motion.at(lane), &bodies.of(lane), wrench.at(lane)));
+        }
+        responses
+    }
+
+    /// Rates of one ball caused by force and moment alone.
     #[inline(always)]
     pub(super) fn response(&self, motion: &BallMotion, body: &BallBody, wrench: Wrench) -> BallState {
         let still = BallMotion { orbit_speed: 0.0, ..*motion };
@@ -148,6 +165,14 @@ impl OneBall {
 pub(super) fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
     let force = frame.vector(load.force);
     (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
+}
+
+/// Moment of a ball on the inner ring about the ring's centre, in the inertial frame.
+#[inline(always)]
+pub(super) fn moment_on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> Vector {
+    let (axial, radius) = frame.place();
+    let on_ball = add(cross([axial, radius, 0.0], load.force), load.moment);
+    scale(-1.0, azimuth.to_inertial(frame.vector(on_ball)))
 }
 
 /// Load of a pocket on its ball, in the ball's orbit frame, and of the ball on the cage, in the cage's tilted frame about its centre

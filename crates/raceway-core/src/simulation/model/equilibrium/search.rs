@@ -1,5 +1,7 @@
 //! The minimum of the potential of raceway contacts, applied loads, gravity and centrifugal force over the places of spindle and balls.
 
+use nalgebra::Matrix3;
+
 use crate::numerics::bordered::Bordered;
 use crate::numerics::minimum::{Potential, Search, Slopes};
 use crate::physics::bearing::PerRaceway;
@@ -13,6 +15,8 @@ use crate::simulation::model::mechanism::Mechanism;
 pub struct Equilibrium {
     /// Displacement of the spindle [m].
     pub spindle: Vector,
+    /// Tilt of the spindle about Y and about the new Z [rad].
+    pub tilt: [f64; 2],
     /// Axial position and radius less the pitch radius of each ball [m].
     pub balls: Vec<(f64, f64)>,
     /// Normal load of each ball on each raceway [N].
@@ -37,6 +41,21 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
     Ok(rest)
 }
 
+/// Stiffness of the spindle on its balls about the equilibrium at a spindle speed [rad/s], along X, Y, Z [N/m]. Balls follow the spindle without
+/// inertia, and the spindle does not tilt. Held directions are 0.
+pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f64>, SimulationError> {
+    let potential = RacewayPotential::new(mechanism, speed);
+    let condensed = potential.slopes(&potential.minimum()?).hessian.condensed();
+    let mut stiffness = Matrix3::zeros();
+    let translations = || potential.free.iter().enumerate().filter(|(_, freedom)| **freedom < 3);
+    for (row, &direction) in translations() {
+        for (column, &other) in translations() {
+            stiffness[(direction, other)] = condensed[row][column];
+        }
+    }
+    Ok(stiffness)
+}
+
 /// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
 const MAX_RELATIVE_DEPTH: f64 = 0.5;
 
@@ -45,15 +64,14 @@ const MAX_RELATIVE_DEPTH: f64 = 0.5;
 const FIRST_STEP: f64 = 1e-5;
 
 /// Most directions in which a spindle moves.
-const DIRECTIONS: usize = 3;
+const DIRECTIONS: usize = 5;
 
 /// The potential over [axial, radial] of each ball, then the free directions of the spindle.
 struct RacewayPotential<'a> {
     mechanism: &'a Mechanism,
     orbit_speed: f64,
     azimuths: Vec<Azimuth>,
-    axis: Vector,
-    /// Directions in which the spindle moves.
+    /// Freedoms of the spindle: along X, Y, Z, and about Y and the new Z.
     free: &'static [usize],
 }
 
@@ -69,6 +87,8 @@ struct Touch {
     /// and unit vector across the contact.
     towards: Vector,
     across: Vector,
+    /// From the centre of the ring to the ball [m].
+    lever: Vector,
     /// Sine and cosine of the contact angle.
     angle: (f64, f64),
 }
@@ -76,23 +96,32 @@ struct Touch {
 impl<'a> RacewayPotential<'a> {
     fn new(mechanism: &'a Mechanism, speed: f64) -> Self {
         let balls = mechanism.layout.balls;
-        let [about_y, about_z] = mechanism.misalignment;
-        let free: &[usize] = if mechanism.layout.axial_spindle { &[0, 1, 2] } else { &[1, 2] };
         Self {
             mechanism,
             orbit_speed: mechanism.orbit_ratio * speed,
             azimuths: mechanism.start.angle[..balls].iter().map(|angle| Azimuth::new(*angle)).collect(),
-            axis: Tilt::new(about_y, about_z).columns[0],
-            free,
+            free: mechanism.layout.freedoms(),
         }
     }
 
-    fn spindle(&self, place: &[f64]) -> Vector {
-        let mut spindle = [self.mechanism.axial_offset, 0.0, 0.0];
-        for (k, &direction) in self.free.iter().enumerate() {
-            spindle[direction] += place[2 * self.azimuths.len() + k];
+    /// Displacement of the spindle [m], and its tilt about Y and the new Z [rad]. The unknowns of the tilt are arcs at the pitch radius.
+    fn spindle(&self, place: &[f64]) -> (Vector, [f64; 2]) {
+        let mut unknowns = [0.0; DIRECTIONS];
+        for (k, &freedom) in self.free.iter().enumerate() {
+            unknowns[freedom] = place[2 * self.azimuths.len() + k];
         }
-        spindle
+        let m = self.mechanism;
+        let [x, y, z, about_y, about_z] = unknowns;
+        let per_radius = 1.0 / m.pitch_radius;
+        let [held_y, held_z] = m.misalignment;
+        ([m.axial_offset + x, y, z], [held_y + per_radius * about_y, held_z + per_radius * about_z])
+    }
+
+    /// Motion of the ring at a lever under each unknown of the spindle, in the inertial frame [-].
+    fn carried(&self, tilt: &Tilt, lever: Vector) -> [Vector; DIRECTIONS] {
+        let per_radius = 1.0 / self.mechanism.pitch_radius;
+        let about = |axis: Vector| scale(per_radius, cross(axis, lever));
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], about([0.0, 1.0, 0.0]), about(tilt.columns[2])]
     }
 
     /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `raised`: its radius less the nominal one with the
@@ -137,6 +166,7 @@ impl<'a> RacewayPotential<'a> {
             energy: 0.4 * load * penetration.max(0.0),
             towards,
             across: subtract(scale(r, axis), scale(a, radial)),
+            lever: from_centre,
             angle: (a * 1.0_f64.copysign(r), r.abs()),
         }
     }
@@ -145,9 +175,10 @@ impl<'a> RacewayPotential<'a> {
         let m = self.mechanism;
         let at = [place[2 * ball], m.pitch_radius + place[2 * ball + 1], 0.0];
         let ((angle, oversize), azimuth) = (m.start_and_oversize(ball), self.azimuths[ball]);
-        let centre = azimuth.to_orbit(self.spindle(place));
+        let (centre, [about_y, about_z]) = self.spindle(place);
+        let centre = azimuth.to_orbit(centre);
         let height = m.uneven_balls.get(ball).map(|ball| ball.heights).unwrap_or_default();
-        let axis = azimuth.to_orbit(self.axis);
+        let axis = azimuth.to_orbit(Tilt::new(about_y, about_z).columns[0]);
         let raised = |height: f64| (angle, oversize + height);
         PerRaceway {
             inner: self.touch(&m.raceway.inner, raised(height.inner), subtract(at, centre), axis),
@@ -195,12 +226,10 @@ impl<'a> RacewayPotential<'a> {
                 (load, PerRaceway { inner: inner.angle, outer: outer.angle })
             })
             .unzip();
+        let (spindle, tilt) = self.spindle(place);
         Equilibrium {
-            spindle: {
-                let mut spindle = self.spindle(place);
-                spindle[0] -= self.mechanism.axial_offset;
-                spindle
-            },
+            spindle: subtract(spindle, [self.mechanism.axial_offset, 0.0, 0.0]),
+            tilt,
             balls: (0..self.azimuths.len()).map(|ball| (place[2 * ball], place[2 * ball + 1])).collect(),
             loads,
             angles,
@@ -213,12 +242,14 @@ impl Potential<DIRECTIONS> for RacewayPotential<'_> {
     fn slopes(&self, place: &[f64]) -> Slopes<DIRECTIONS> {
         let balls = self.azimuths.len();
         let force = self.spindle_force();
-        let mut value = -dot(force, self.spindle(place));
+        let (spindle, [about_y, about_z]) = self.spindle(place);
+        let tilt = Tilt::new(about_y, about_z);
+        let mut value = -dot(force, spindle);
         let mut hessian = Bordered::zeros(balls, self.free.len());
         let mut gradient = vec![0.0; place.len()];
         let (of_balls, of_spindle) = gradient.split_at_mut(2 * balls);
         for (slope, &direction) in of_spindle.iter_mut().zip(self.free) {
-            *slope -= force[direction];
+            *slope -= force.get(direction).copied().unwrap_or_default();
         }
         for (ball, of_ball) in of_balls.chunks_exact_mut(2).enumerate() {
             let radial = place[2 * ball + 1];
@@ -240,9 +271,11 @@ impl Potential<DIRECTIONS> for RacewayPotential<'_> {
             if touch.load != 0.0 {
                 let azimuth = self.azimuths[ball];
                 let (towards, across) = (azimuth.to_inertial(touch.towards), azimuth.to_inertial(touch.across));
-                let moved = |row: usize| (-towards[self.free[row]], -across[self.free[row]]);
-                for row in 0..self.free.len() {
-                    of_spindle[row] += touch.load * moved(row).0;
+                let carried = self.carried(&tilt, azimuth.to_inertial(touch.lever));
+                let moved =
+                    |row: usize| (-dot(carried[self.free[row]], towards), -dot(carried[self.free[row]], across));
+                for (row, slope) in of_spindle.iter_mut().enumerate() {
+                    *slope += touch.load * moved(row).0;
                     for column in 0..2 {
                         let of_column = (touch.towards[column], touch.across[column]);
                         block.border[column][row] += touch.stiffness(moved(row), of_column);

@@ -1,7 +1,8 @@
 //! Applicability of the radially condensed model to a scene and its outputs.
 
+use super::carried_balls::ball_leaves;
 use crate::physics::cage::PocketFilm;
-use crate::physics::spindle::AxialHold;
+use crate::physics::spindle::{AxialHold, SpindleTilt};
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
@@ -12,8 +13,10 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
-    if scene.surfaces.have_defects() {
-        Some(Inapplicable::Defects)
+    if scene.surfaces.balls_have_defects() {
+        Some(Inapplicable::BallDefects)
+    } else if scene.surfaces.push_along_axis() {
+        Some(Inapplicable::DefectBesideBottom)
     } else if scene.surfaces.have_axial_waves() {
         Some(Inapplicable::AxialWaves)
     } else if scene.operation.load[0] != 0.0 {
@@ -24,6 +27,8 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
         Some(Inapplicable::SpindleOffCentre)
     } else if scene.operation.misalignment != [0.0; 2] {
         Some(Inapplicable::Misaligned)
+    } else if scene.spindle.tilt != SpindleTilt::Held {
+        Some(Inapplicable::SpindleTilts)
     } else if scene.terms.get(Term::Cage) == TermChoice::Off {
         Some(Inapplicable::NoCage)
     } else if scene.operation.start_perturbation().is_some() {
@@ -39,6 +44,6 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
     } else if outputs.spectra.iter().chain(&outputs.series).any(along_x) {
         Some(Inapplicable::ChannelAlongX)
     } else {
-        None
+        ball_leaves(scene, outputs)
     }
 }

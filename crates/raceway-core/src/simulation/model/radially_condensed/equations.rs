@@ -121,7 +121,7 @@ impl RadiallyCondensed {
         let needs = ActiveTerms::of(scene, outputs, Some(ModelLevel::Planar))?;
         let mut m = Mechanism::new(scene, &needs);
         let surfaced = with_surfaces(m.clone(), scene);
-        m.wave_frequency = surfaced.wave_frequency;
+        (m.wave_frequency, m.defect_step) = (surfaced.wave_frequency, surfaced.defect_step);
         m.sites = surfaced.sites.clone();
         let balls = m.layout.balls;
         let rest = equilibrium(&surfaced, m.speed.at(0.0).1)?;

@@ -497,13 +497,14 @@ mod tests {
     use crate::physics::cage::PocketFilm;
     use crate::physics::contact::hertz::series_stiffness;
     use crate::physics::presets;
+    use crate::physics::surface::defects::{Defect, Shape};
     use crate::physics::surface::waviness::{RacewaySurface, Surfaces, Wave};
     use crate::simulation::input::scene::Scene;
     use crate::simulation::input::settings::Outputs;
 
     /// At rest the forces on balls and spindle are the negative gradient of the elastic energy, that of both heights included.
     #[test]
-    fn forces_on_waves_are_the_gradient_of_the_energy() {
+    fn forces_on_surfaces_are_the_gradient_of_the_energy() {
         let preset = presets::article_integrated();
         let mut scene = Scene::of_preset(&preset, 0.0, [0.0, 200.0, 60.0]).unwrap();
         scene.gravity = 0.0;
@@ -512,7 +513,11 @@ mod tests {
             waviness: vec![Wave { order, amplitude: 2e-7, phase }],
             ..RacewaySurface::default()
         };
-        let raceway = PerRaceway { inner: surface(9, 0.7), outer: surface(20, -1.0) };
+        let mut raceway = PerRaceway { inner: surface(9, 0.7), outer: surface(20, -1.0) };
+        // Under the first ball, on the flank of its path.
+        let (azimuth, length, depth) = (0.03, 5e-4, 1e-6);
+        raceway.outer.defects =
+            vec![Defect { azimuth, length, width: None, depth, across: 0.0, shape: Shape::Rectangular }];
         scene.surfaces = Surfaces { raceway, ..Surfaces::default() };
         let model = RadiallyCondensed::new(&scene, &Outputs::vibration()).unwrap();
         let m = &model.mechanism;

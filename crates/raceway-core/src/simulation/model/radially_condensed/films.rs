@@ -73,7 +73,6 @@ fn rolling_speed(
         raceway_speed,
         orbit_speed,
         azimuth: 0.0,
-        oversize: 0.0,
     })
 }
 

@@ -7,6 +7,8 @@
 
 mod applicability;
 
+mod carried_balls;
+
 mod border;
 
 mod contact;

@@ -63,5 +63,6 @@ impl RadiallyCondensed {
             .max(on_film / film_turn)
             .max(self.traction_rate / MAX_TRACTION_DECAY)
             .max(1.0 / self.mechanism().longest_wave_step())
+            .max(1.0 / self.mechanism().defect_step)
     }
 }

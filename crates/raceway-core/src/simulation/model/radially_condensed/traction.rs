@@ -338,7 +338,6 @@ impl General<'_> {
                 orbit_speed: orbit[lane].into(),
                 azimuth: 0.0,
                 // The slip of `contact` contains the size of the ball.
-                oversize: 0.0,
             };
             motion.put(lane, one);
         }

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side};
-use crate::physics::ball::BallBody;
+use crate::physics::ball::{BallBody, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
@@ -172,16 +172,29 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         share: f64,
         corrected: &mut Corrected,
     ) {
-        let m = self.mechanism();
-        let (bodies, nominal) = (m.bodies[first / LANES], m.ball_radius);
-        // Equal balls share one division.
-        let over_share = |of: fn(&BallBody) -> f64| match m.largest_oversize {
-            None => Lanes::<LANES>::all(of(&bodies.at(0)) / share),
-            Some(_) => Lanes(std::array::from_fn(|lane| of(&bodies.at(lane)) / share)),
-        };
-        let (mass_over_share, inertia_over_share) = (over_share(|body| body.mass), over_share(|body| body.inertia));
+        match self.mechanism().unequal_bodies(first) {
+            None => self.correct_bodies(self.one().body, past, predicted, balls, slopes, share, corrected),
+            Some(bodies) => self.correct_bodies(*bodies, past, predicted, balls, slopes, share, corrected),
+        }
+    }
+
+    /// The same for balls of some size and mass.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn correct_bodies(
+        &self,
+        bodies: impl Bodies,
+        past: &BallState<Lanes>,
+        predicted: &BallState<Lanes>,
+        balls: &Balls,
+        slopes: &Slopes<Lanes>,
+        share: f64,
+        corrected: &mut Corrected,
+    ) {
+        let nominal = self.mechanism().ball_radius;
+        let (mass_over_share, inertia_over_share) = bodies.over(share);
         for lane in 0..LANES {
-            let BallBody { oversize, mass, inertia, .. } = bodies.at(lane);
+            let BallBody { oversize, mass, inertia, .. } = bodies.of(lane);
             let radius = nominal + oversize;
             let (old, from, rates) = (past.at(lane), predicted.at(lane), balls.rates.at(lane));
             let PerRaceway { inner, outer } =
