@@ -72,7 +72,7 @@ pub struct OuterRingInput {
     /// Tilt of the outer ring.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
-    pub tilt_mrad: Option<TiltInput>,
+    pub tilt_mrad: Option<OuterTiltInput>,
 }
 
 /// `rigid`: held in the ground. `elastic`, `sliding`: not supported yet.
@@ -102,7 +102,7 @@ pub struct OffsetInput {
 /// Rotation about Y and Z [mrad]. Default 0.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct TiltInput {
+pub struct OuterTiltInput {
     /// About Y [mrad]. Default 0.
     #[schema(nullable = false)]
     pub y: Option<f64>,
