@@ -229,7 +229,6 @@ fn parts() {
             &recording,
             &spectra,
             metrics::Spectra::Amplitude,
-            &metrics::frequencies(&scene, &recording),
             &AccuracyReport::default(),
         ));
         clock.push(cpu_time());

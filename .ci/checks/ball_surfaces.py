@@ -78,7 +78,7 @@ def refused(running, job, pointer):
 def case_refusals(running):
     refused(running, motor(dent(latitude_deg=10)), "/solver/rung")
     refused(running, motor(dent(), solver={"rung": "radially_condensed"}), "/solver/rung")
-    refused(running, motor(dent(diameter_mm=7.9)), "/scene/surfaces/balls")
+    refused(running, motor(dent(diameter_mm=7.9)), "/scene/surfaces/balls/0/defects/0/diameter_mm")
     refused(running, one_ball(2, "periodic"), "/solver/rung")
     refused(running, motor(dent(), solver={"rung": "planar", "method": "dormand_prince", "fixed_step_us": 50}), "/solver/fixed_step_us")
 

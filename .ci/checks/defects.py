@@ -53,7 +53,7 @@ def refused(running, surfaces, pointer, **fields):
 
 def case_refusals(running):
     two = {"outer": {"defects": [slot()["defects"][0], {"azimuth_deg": 1, "length_mm": 1, "depth_um": 5}]}}
-    refused(running, two, "/scene/surfaces/outer/defects")
+    refused(running, two, "/scene/surfaces/outer/defects/1")
     refused(running, {"outer": slot(depth_um=2000)}, "/scene/surfaces/outer/defects/0/depth_um")
     refused(running, {"outer": slot(width_mm=1, across_mm=0.5)}, "/solver/rung")
     refused(running, {"outer": slot()}, "/solver/fixed_step_us",

@@ -4,6 +4,7 @@ a service that runs there."""
 
 import os
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
 from cases import run_cases, verdict  # noqa: E402
@@ -74,9 +75,9 @@ def case_no_motion_repeats(running):
 def case_refusals(running):
     balls = "/scene/surfaces/balls"
     for fields, pointer, words in [
-            ([{"ball": 8}], balls, "7 balls"),
-            ([{"ball": 1}, {"ball": 1}], balls, "both of ball 1"),
-            ([{"ball": 1, "diameter_um": 30}], balls, "at most 27.78"),
+            ([{"ball": 8}], f"{balls}/0/ball", "7 balls"),
+            ([{"ball": 1}, {"ball": 1}], f"{balls}/1/ball", "both of ball 1"),
+            ([{"ball": 1, "diameter_um": 30}], f"{balls}/0/diameter_um", "at most 27.78"),
             ([{"diameter_um": 1}], f"{balls}/0/ball", "missing")]:
         refused(running, preloaded("planar", surfaces={"balls": fields}), pointer, words, f"{fields} is refused by its pointer")
     pockets = "/scene/bearing/cage/pocket_spacing_mrad"
@@ -94,6 +95,27 @@ def case_resolve_lists_the_balls(running):
     sizes = [ball["diameter_um"] for ball in answer.get("derived", {}).get("surfaces", {}).get("balls", [])]
     mean = sum(sizes) / 7 if len(sizes) == 7 else 0
     verdict(abs(mean - 0.5 / 7) < 1e-9 and max(sizes) > 0.35, f"resolve lists the size of each ball: {sizes}")
+
+
+def seconds_to_resolve(running, balls):
+    """Shortest of three times to resolve a loose bearing whose balls all differ by 20 µm on an oval outer raceway."""
+    bearing = {"type": "deep_groove", "ball_count": balls, "ball_diameter_mm": 4, "pitch_diameter_mm": 100, "outer_diameter_mm": 115,
+               "inner_diameter_mm": 85, "width_mm": 12, "inner_groove_curvature": 0.52, "outer_groove_curvature": 0.53, "radial_clearance_um": 20}
+    surfaces = {"every_ball": {"diameter_spread_um": 20, "random_waviness": {"amplitude_nm": 1, "to_order": 100}},
+                "outer": {"waviness": [{"order": 2, "amplitude_nm": 1000}]}}
+    scene = {"bearing": bearing, "operation": {"speed_rpm": 0, "axial_load_n": 0.1}, "surfaces": surfaces}
+    times = []
+    for _ in range(3):
+        begin = time.monotonic()
+        running.request("POST", "/v1/scenes/resolve", {"scene": scene})
+        times.append(time.monotonic() - begin)
+    return min(times)
+
+
+def case_time_grows_with_the_number_of_balls(running):
+    # 18 where each ball is eliminated by itself, 54 to 86 with a dense matrix.
+    few, many = (seconds_to_resolve(running, balls) for balls in (8, 64))
+    verdict(many < 40 * few, f"an equilibrium of 64 balls takes {many / few:.0f} times as long as one of 8: {few:.3f} and {many:.3f} s")
 
 
 run_cases(globals())

@@ -76,6 +76,7 @@ fn simulate(scene: &Value, rung: Option<&str>, settle: Option<f64>) -> Result<Ru
         job["settle_s"] = settle.into();
     }
     let job = parse_job(job.to_string().as_bytes()).map_err(|refusal| refusal.to_string())?;
+    let settings = job.base().ok_or("not a simulation")?.settings.clone();
     let of = |metrics: &Metrics, value: fn(&ChannelAnswer) -> Option<f64>| {
         let channels = metrics.channels.as_ref();
         CHANNELS.map(|name| channels.and_then(|all| value(all.get(name)?)).unwrap_or(f64::NAN))
@@ -88,8 +89,8 @@ fn simulate(scene: &Value, rung: Option<&str>, settle: Option<f64>) -> Result<Ru
             scatter: of(&outcome.metrics, |channel| channel.level_scatter_db),
             warns: warns(&outcome.metrics),
             seconds: begin.elapsed().as_secs_f64(),
-            settled: job.base().settings.settle,
-            kept: job.base().settings.duration,
+            settled: settings.settle,
+            kept: settings.duration,
         }),
         Ok(_) => Err("not a simulation".to_owned()),
         Err(error) => Err(format!("{error:?}")),

@@ -18,6 +18,7 @@ KINDS = ("simulation", "study", "optimum", "accuracy")
 # Schemas of the answers that results.md lists, with the address of each.
 ANSWERS = {
     "Metrics": "`GET /v1/jobs/{id}/metrics`, and `metrics` of a finished job",
+    "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
 }
 # Parts that another page describes.
 ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",
@@ -171,14 +172,28 @@ Square brackets include the end of a range, round ones exclude it. Where to find
     required = set.intersection(*(set(job.get("required", [])) for job in jobs.values()))
     required |= {name for name in merged if all(name in jobs[kind].get("required", []) for kind in kinds[name])}
     yield from table(schemas, {"properties": merged, "required": sorted(required)}, kinds)
-    order, waiting = [], [one for field in merged.values() for one in schemas.objects(field)]
+    roots = [one for field in merged.values() for one in schemas.objects(field)]
+    listed = order_of(schemas, roots)
+    yield from objects(schemas, listed)
+    # A rotor job shares materials and bearings with the others, and no other object.
+    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob"]) if name not in listed])
+
+
+def order_of(schemas, waiting):
+    """Names of objects and of those inside them, each once and close to its use."""
+    order = []
     while waiting:
         name = waiting.pop(0)
         if name not in order:
             order.append(name)
             inner = [one for field in schemas.all[name]["properties"].values() for one in schemas.objects(field)]
             waiting = inner + waiting
-    for name in order:
+    return order
+
+
+def objects(schemas, names):
+    """A section for each object."""
+    for name in names:
         schema = schemas.all[name]
         yield f"\n## {title(name)}\n\n{cell(schema.get('description', ''))}\n\n"
         fields = schema["properties"]

@@ -11,6 +11,8 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
 use super::auth::Credential;
+use super::computation::computed;
+use super::concurrency::RequestPermit;
 use super::credentials::Owner;
 use super::error::{ApiError, Problem};
 use super::job_response::JobAnswer;
@@ -98,6 +100,7 @@ pub async fn submit(
     owner: Owner,
     credential: Credential,
     headers: HeaderMap,
+    permit: RequestPermit,
     _: Query<NoQuery>,
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
@@ -105,8 +108,7 @@ pub async fn submit(
     let key = idempotency_key(&headers)?;
     let key = key.map(|key| IdempotencyKey::of_batch(key, &body));
     // A scene takes some milliseconds to check, and there may be a thousand.
-    let parsed = tokio::task::spawn_blocking(move || contract::parse_batch(&body));
-    let jobs = parsed.await.map_err(|_| ApiError::Internal)??;
+    let jobs = computed(&permit, move |stop| contract::parse_batch(&body, stop)).await??;
     if credential.has_token() {
         app.access.rates.charge(&owner, jobs.iter().flatten().map(Job::cost).sum());
     }

@@ -110,7 +110,7 @@ async fn submit(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody)
 async fn batch(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     idempotency_key(&headers)?;
-    for error in parse_batch(&body)?.into_iter().filter_map(Result::err) {
+    for error in parse_batch(&body, &|| false)?.into_iter().filter_map(Result::err) {
         let (status, problem) = ApiError::from(error).problem();
         assert!(status.is_client_error() && !problem.detail.is_empty());
     }

@@ -152,6 +152,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub work_precision_svg: Option<String>,
+    /// Result of a rotor job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub rotor: Option<String>,
+    /// Script for ROSS of a rotor job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub rotor_script: Option<String>,
 }
 
 /// A page of jobs.
@@ -294,6 +302,8 @@ impl Links {
             optimum: link("optimum", succeeded(JobKind::Optimum)),
             optimum_svg: link("plots/optimum.svg", succeeded(JobKind::Optimum)),
             accuracy: link("accuracy", compared),
+            rotor: link("rotor", succeeded(JobKind::Rotor)),
+            rotor_script: link("rotor.py", succeeded(JobKind::Rotor)),
             work_precision_svg: link("plots/work-precision.svg", compared),
             this,
         }

@@ -13,6 +13,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::app::App;
 use super::auth::Credential;
+use super::computation::computed;
 use super::concurrency::RequestPermit;
 use super::credentials::Owner;
 use super::error::ApiError;
@@ -69,7 +70,7 @@ pub async fn submit(
     negotiated(&headers, JSON)?;
     let wait = preferred_wait(&headers)?;
     let key = idempotency_key(&headers)?;
-    let job = parsed(&body).await?;
+    let job = parsed(&body, &permit).await?;
     let key = key.map(|key| IdempotencyKey::new(key, &job));
     if credential.has_token() {
         app.access.rates.charge(&owner, job.cost());
@@ -113,10 +114,9 @@ pub async fn submit(
 }
 
 /// The job of a body, checked on a thread that delays no other request: a short body can describe thousands of scenes.
-async fn parsed(body: &Bytes) -> Result<Job, ApiError> {
+async fn parsed(body: &Bytes, permit: &RequestPermit) -> Result<Job, ApiError> {
     let body = body.clone();
-    let parsed = tokio::task::spawn_blocking(move || contract::parse_job(&body));
-    Ok(parsed.await.map_err(|_| ApiError::Internal)??)
+    Ok(computed(permit, move |_| contract::parse_job(&body)).await??)
 }
 
 /// List jobs

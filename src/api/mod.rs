@@ -4,6 +4,8 @@
 mod app;
 /// Access control.
 mod auth;
+/// Work that takes processor time.
+mod computation;
 /// Number of simultaneous requests, streams and bodies.
 mod concurrency;
 /// ETags and 304.
@@ -46,6 +48,7 @@ mod jobs;
 mod plots;
 mod portal;
 mod results;
+mod rotor;
 mod scenes;
 mod studies;
 

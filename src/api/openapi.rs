@@ -291,6 +291,8 @@ fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
         ("getTable", "For a study", None),
         ("getOptimum", "For a succeeded optimum job", None),
         ("getAccuracy", "For a succeeded accuracy job", None),
+        ("getRotor", "For a succeeded rotor job", None),
+        ("getRotorScript", "For a succeeded rotor job", None),
     ];
     links.into_iter().map(|(operation, description, more)| {
         let link =

@@ -22,7 +22,7 @@ use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
     auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, plots, portal, request,
-    request_id, results, scenes, studies,
+    request_id, results, rotor, scenes, studies,
 };
 
 /// Every documented route.
@@ -37,6 +37,7 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .merge(result_routes(app))
         .routes(routes!(scenes::resolve))
         .routes(routes!(scenes::presets))
+        .routes(routes!(rotor::analyse))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::service_metrics))
@@ -64,6 +65,8 @@ fn result_routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(results::series))
         .routes(routes!(results::accuracy))
         .routes(routes!(results::optimum))
+        .routes(routes!(rotor::result))
+        .routes(routes!(rotor::ross_script))
         .routes(routes!(studies::table))
         .routes(routes!(plots::plot));
     match app {

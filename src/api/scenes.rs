@@ -4,6 +4,8 @@ use axum::Json;
 use axum::http::HeaderMap;
 use utoipa::ToSchema;
 
+use super::computation::computed;
+use super::concurrency::RequestPermit;
 use super::error::ApiError;
 use super::openapi::{self, Anywhere, BadBody, BadQuery, NotAccepted};
 use super::request::{JsonBody, NoQuery, Query, negotiated};
@@ -30,12 +32,13 @@ struct SceneRequest {
 )]
 pub async fn resolve(
     headers: HeaderMap,
+    permit: RequestPermit,
     _: Query<NoQuery>,
     JsonBody(body): JsonBody,
 ) -> Result<Json<ResolveAnswer>, ApiError> {
     negotiated(&headers, &["application/json"])?;
-    let resolved = tokio::task::spawn_blocking(move || Ok(resolve_answer(&parse_scene_request(&body)?)));
-    Ok(Json(resolved.await.unwrap_or(Err(ApiError::Internal))?))
+    let resolved = computed(&permit, move |_| parse_scene_request(&body).map(|job| resolve_answer(&job)));
+    Ok(Json(resolved.await??.ok_or(ApiError::Internal)?))
 }
 
 /// List presets

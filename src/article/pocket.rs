@@ -11,7 +11,8 @@ const RESULTS: &str = include_str!("../../verification/pocket/results.csv");
 pub fn forces(scene: &Value, case: &str) -> Result<Vec<[f64; 4]>, String> {
     let request = serde_json::json!({ "scene": scene }).to_string();
     let job = contract::parse_scene_request(request.as_bytes()).map_err(|refusal| refusal.to_string())?;
-    let model = Model::new(job.scene(), &job.base().terms);
+    let base = job.base().ok_or("a scene alone is a simulation")?;
+    let model = Model::new(base.scene(), &base.terms);
     let pocket = &model.mechanism().pocket;
     let mut lines = RESULTS.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = lines.next().unwrap_or_default();

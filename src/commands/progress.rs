@@ -13,15 +13,32 @@ const TERMINAL_INTERVAL: Duration = Duration::from_millis(200);
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 /// Smallest finished share from which the remaining time is estimated.
 const MIN_SHARE: f64 = 0.02;
+/// Largest ratio of two remaining times that are told as one, because estimates are good to a factor of about this [-].
+const NOTABLE_RATIO: f64 = 2.0;
 
 /// Runs `work`, which passes its progress (0–1) to the given function. Unless `quiet`, an estimate and the progress are written to stderr,
 /// by a thread of its own so that writing does not slow the run.
 pub fn shown<T>(job: &Job, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
-    announced(|| announcement(job), quiet, work)
+    // Progress of many runs counts points, which take their time with all rejections.
+    let most = match job {
+        Job::Simulation(_) if !quiet => contract::estimate(job).most_wall_time_s,
+        _ => None,
+    };
+    reported(|| announcement(job), most, quiet, work)
 }
 
 /// Runs `work` as `shown`, with another first line.
 pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
+    reported(announcement, None, quiet, work)
+}
+
+/// `most`: run time [s] of a single run if all its models and tolerances but the last are rejected.
+fn reported<T>(
+    announcement: impl FnOnce() -> String,
+    most: Option<f64>,
+    quiet: bool,
+    work: impl FnOnce(&dyn Fn(f64)) -> T,
+) -> T {
     if quiet {
         return work(&|_| ());
     }
@@ -37,7 +54,7 @@ pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: im
             while end.recv_timeout(if terminal { TERMINAL_INTERVAL } else { LINE_INTERVAL })
                 == Err(RecvTimeoutError::Timeout)
             {
-                let line = line(f64::from_bits(share.load(Ordering::Relaxed)), begin.elapsed());
+                let line = line(f64::from_bits(share.load(Ordering::Relaxed)), begin.elapsed(), most);
                 write_stderr(&if terminal { format!("\r{line:<50}") } else { format!("{line}\n") });
             }
             if terminal {
@@ -52,7 +69,8 @@ pub fn announced<T>(announcement: impl FnOnce() -> String, quiet: bool, work: im
 
 /// Kind, simulated time and estimated run time of a job.
 fn announcement(job: &Job) -> String {
-    let simulated = format!("{} s after {} s", job.base().settings.duration, job.base().settings.settle);
+    let Some(base) = job.base() else { return job.kind().name().to_owned() };
+    let simulated = format!("{} s after {} s", base.settings.duration, base.settings.settle);
     let cost = contract::estimate(job);
     let (kind, estimate) = (job.kind().name(), estimated(cost.estimated_wall_time_s, cost.most_wall_time_s));
     match job {
@@ -67,7 +85,7 @@ fn announcement(job: &Job) -> String {
             let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
             format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
         }
-        Job::Simulation(_) | Job::Study(_) => format!("{kind}: {simulated}; {estimate}"),
+        Job::Simulation(_) | Job::Study(_) | Job::Rotor(_) => format!("{kind}: {simulated}; {estimate}"),
     }
 }
 
@@ -88,13 +106,17 @@ fn times(repetitions: u32) -> String {
     if repetitions == 1 { String::new() } else { format!(" of {repetitions} repetitions") }
 }
 
-fn line(share: f64, elapsed: Duration) -> String {
+/// Share, elapsed and remaining time. The remaining time of a single run is that of the candidate at work, up to the rest of `most` [s]: others
+/// follow if it is rejected.
+fn line(share: f64, elapsed: Duration, most: Option<f64>) -> String {
     let elapsed = elapsed.as_secs_f64();
     let percent = (100.0 * share).floor();
-    let to_go = if share >= MIN_SHARE {
-        format!(", about {} to go", duration(elapsed * (1.0 - share) / share))
-    } else {
-        String::new()
+    let least = elapsed * (1.0 - share) / share;
+    let to_go = match most.filter(|_| share < 1.0).map(|most| most - elapsed) {
+        _ if share < MIN_SHARE => String::new(),
+        Some(most) if most > NOTABLE_RATIO * least => format!(", {} to {} to go", duration(least), duration(most)),
+        Some(most) if most < least => format!(", at least {} to go", duration(least)),
+        _ => format!(", about {} to go", duration(least)),
     };
     format!("{percent:3.0} %, {} gone{to_go}", duration(elapsed))
 }
@@ -125,9 +147,14 @@ mod tests {
 
     #[test]
     fn progress_includes_the_remaining_time_once_it_is_known() {
-        assert_eq!(line(0.0, Duration::from_secs(1)), "  0 %, 1.0 s gone");
-        assert_eq!(line(0.25, Duration::from_secs(30)), " 25 %, 30 s gone, about 90 s to go");
-        assert_eq!(line(1.0, Duration::from_secs(600)), "100 %, 10 min gone, about 0 s to go");
+        assert_eq!(line(0.0, Duration::from_secs(1), Some(100.0)), "  0 %, 1.0 s gone");
+        assert_eq!(line(0.25, Duration::from_secs(30), None), " 25 %, 30 s gone, about 90 s to go");
+        assert_eq!(line(1.0, Duration::from_secs(600), None), "100 %, 10 min gone, about 0 s to go");
+        // Other candidates may follow: 6 s of this one, at most 100 s of all. Beyond the estimate no end is known.
+        assert_eq!(line(0.4, Duration::from_secs(4), Some(104.0)), " 40 %, 4.0 s gone, 6.0 s to 100 s to go");
+        assert_eq!(line(0.4, Duration::from_secs(4), Some(12.0)), " 40 %, 4.0 s gone, about 6.0 s to go");
+        assert_eq!(line(0.8, Duration::from_secs(80), Some(60.0)), " 80 %, 80 s gone, at least 20 s to go");
+        assert_eq!(line(1.0, Duration::from_secs(4), Some(60.0)), "100 %, 4.0 s gone, about 0 s to go");
     }
 
     #[test]

@@ -31,6 +31,7 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
         Outcome::Simulation(simulated) => json(&simulated.metrics),
         Outcome::Accuracy(answer) => json(answer),
         Outcome::Optimum(answer) => json(answer),
+        Outcome::Rotor(answer) => json(answer),
     };
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = writeln!(stdout, "{text}") {
@@ -40,6 +41,7 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
         Outcome::Simulation(simulated) => write(simulated, directory),
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
         Outcome::Optimum(answer) => optimum::write(answer, directory),
+        Outcome::Rotor(answer) => directory.write("rotor.json", &json(answer)),
     });
     match written {
         Some(Err(error)) => failed(&error),

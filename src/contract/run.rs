@@ -1,5 +1,6 @@
 //! Runs a checked job.
 
+use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::recording::spectra::ChannelSpectra;
@@ -14,13 +15,15 @@ use super::answer::failure::{INTERNAL, NUMERICAL_BLOWUP, RunFailure};
 use super::answer::metrics::Metrics;
 use super::answer::optimum::OptimumAnswer;
 use super::answer::point::PointEnd;
+use super::answer::rotor::RotorAnswer;
 use super::answer::signals::{SpectrumAnswer, SpectrumKind};
 use super::answer::views::ViewsAnswer;
 use super::answer::work_precision::result::WorkPrecisionAnswer;
 use super::job::checked::Job;
 use super::job::parse::parse_job_or_scene;
+use super::job::rotor::RotorJob;
 use super::job::simulation::Simulation;
-use super::json::problem::Refusal;
+use super::json::problem::{FieldError, Refusal};
 
 /// The result of a job, by its kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +31,7 @@ pub enum Outcome {
     Simulation(Box<Simulated>),
     Accuracy(Box<WorkPrecisionAnswer>),
     Optimum(Box<OptimumAnswer>),
+    Rotor(Box<RotorAnswer>),
 }
 
 /// The result of a simulation.
@@ -46,7 +50,9 @@ impl Outcome {
     pub fn into_simulated(self) -> Result<Simulated, RunFailure> {
         match self {
             Self::Simulation(simulated) => Ok(*simulated),
-            Self::Accuracy(_) | Self::Optimum(_) => Err(internal("the result is not that of a simulation")),
+            Self::Accuracy(_) | Self::Optimum(_) | Self::Rotor(_) => {
+                Err(internal("the result is not that of a simulation"))
+            }
         }
     }
 }
@@ -71,7 +77,15 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
             check_finite("accuracy", &answer)?;
             Ok(Outcome::Accuracy(Box::new(answer)))
         }
+        Job::Rotor(rotor) => Ok(Outcome::Rotor(Box::new(execute_rotor(rotor)?))),
     }
+}
+
+/// Analyses a rotor. Every number of the result is finite.
+pub fn execute_rotor(job: &RotorJob) -> Result<RotorAnswer, RunFailure> {
+    let answer = RotorAnswer::of(job)?;
+    check_finite("rotor", &answer)?;
+    Ok(answer)
 }
 
 /// Runs a simulation. Every number of the result is finite.
@@ -107,13 +121,21 @@ fn blowup(part: &str) -> RunFailure {
 
 fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
     let series = std::mem::take(&mut result.series);
-    let solver = &result.summary.solver;
+    let (solver, outputs) = (&result.summary.solver, &simulation.settings.outputs);
     let of_channel = |of: &ChannelSpectra| {
-        [(SpectrumKind::Amplitude, &of.amplitude), (SpectrumKind::Envelope, &of.envelope)]
-            .map(|(kind, spectrum)| SpectrumAnswer::of(of.channel, kind, spectrum, solver))
+        let unit = of.channel.unit();
+        let unit_of_envelope = match outputs.envelope {
+            EnvelopeKind::Magnitude => unit.to_owned(),
+            EnvelopeKind::Squared => format!("({unit})²"),
+        };
+        [
+            (SpectrumKind::Amplitude, unit.to_owned(), &of.amplitude),
+            (SpectrumKind::Envelope, unit_of_envelope, &of.envelope),
+        ]
+        .map(|(kind, unit, spectrum)| SpectrumAnswer::of((of.channel, unit), kind, spectrum, solver))
     };
     Simulated {
-        metrics: Metrics::of(&result, &simulation.settings.outputs),
+        metrics: Metrics::of(&result, outputs),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series,
         views: ViewsAnswer::of(&result.plot_data),
@@ -154,5 +176,8 @@ fn null_in(value: &Value, pointer: &str) -> Option<String> {
 
 /// Builds a scene from JSON: a scene, `{ "scene": … }`, or a whole job.
 pub fn scene_from_json(text: &str) -> Result<Scene, Refusal> {
-    parse_job_or_scene(text.as_bytes()).map(|job| job.scene().clone())
+    let job = parse_job_or_scene(text.as_bytes())?;
+    job.scene()
+        .cloned()
+        .ok_or_else(|| FieldError::new("/kind", "a job of kind `rotor` has no scene of a bearing").into())
 }

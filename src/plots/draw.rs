@@ -18,6 +18,7 @@ use crate::contract::answer::views::{ImpactView, LoadsView, OrbitView, TraceView
 use crate::contract::answer::work_precision::point::PointAnswer;
 use crate::contract::answer::work_precision::reference::floors;
 use crate::contract::job::input::GoalName;
+use crate::contract::job::outputs::EnvelopeName;
 use crate::contract::{
     Metrics, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer, WorkPrecisionAnswer,
 };
@@ -30,7 +31,11 @@ pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
 
 /// The envelope spectra of a job's accelerations, with their labelled lines.
 pub fn envelopes(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
-    labelled_spectra("Envelope spectrum", metrics, metrics.envelope_lines.as_deref(), spectra)
+    let title = match metrics.envelope {
+        Some(EnvelopeName::Squared) => "Squared-envelope spectrum",
+        _ => "Envelope spectrum",
+    };
+    labelled_spectra(title, metrics, metrics.envelope_lines.as_deref(), spectra)
 }
 
 fn labelled_spectra(

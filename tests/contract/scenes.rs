@@ -22,6 +22,38 @@ fn a_scene_is_resolved_without_a_job() {
     assert!(wrong["errors"][0]["pointer"].as_str().is_some_and(|pointer| pointer.starts_with("/scene")));
 }
 
+/// 64 balls that all differ, on wavy raceways, are averaged over many positions of the cage. Meanwhile the service answers others.
+#[test]
+fn the_service_answers_others_while_it_resolves_a_heavy_scene() {
+    let server = start();
+    let scene = json!({
+        "bearing": {
+            "type": "deep_groove", "ball_count": 64, "ball_diameter_mm": 4, "pitch_diameter_mm": 100,
+            "outer_diameter_mm": 115, "inner_diameter_mm": 85, "width_mm": 12,
+            "inner_groove_curvature": 0.52, "outer_groove_curvature": 0.53, "radial_clearance_um": 5
+        },
+        "operation": { "speed_rpm": 3000, "radial_load_y_n": 300 },
+        "surfaces": {
+            "preset": "worn",
+            "every_ball": { "diameter_spread_um": 0.5, "random_waviness": { "amplitude_nm": 10, "to_order": 100 } }
+        }
+    });
+    std::thread::scope(|scope| {
+        // As many as there are threads for HTTP.
+        let heavy: Vec<_> = (0..2)
+            .map(|_| scope.spawn(|| server.post("/v1/scenes/resolve", &json!({ "scene": scene })).status))
+            .collect();
+        let mut answered = 0;
+        while !heavy.iter().any(|resolve| resolve.is_finished()) {
+            assert_eq!(server.get("/health/live").status, 200);
+            answered += 1;
+        }
+        // The last answer may have waited for the scene.
+        assert!(answered > 1, "{answered}");
+        heavy.into_iter().for_each(|resolve| assert_eq!(resolve.join().ok(), Some(200)));
+    });
+}
+
 #[test]
 fn presets_are_listed() {
     let presets = start().get("/v1/presets").json();

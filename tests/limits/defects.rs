@@ -80,7 +80,27 @@ fn a_ball_that_reaches_the_floor_meets_the_last_edge_before_its_end() {
         let time = 1e6 * at / recess.contact.speed;
         assert!((time - bend_us).abs() < 1.0, "{length} mm: {time} µs after the middle, expected {bend_us}");
         assert!((1e6 * recess.impact_beside_middle() - bend_us).abs() < 1.0);
+        let to_middle = 5e2 * length / recess.contact.speed;
+        assert!((1e6 * recess.entry_to_impact() - to_middle - bend_us).abs() < 1.0);
     }
+}
+
+/// A slot of 0.3 of the contact's width keeps the ball above a floor that a wide one lets it reach. The ground beside it then carries the ball.
+#[test]
+fn a_narrow_defect_keeps_the_ball_from_its_floor() {
+    let outer = averaged(&motor(on_outer(defect(0.0, 1.0, 10.0)))).outer;
+    let wide = outer.defects[0];
+    let of = |share: f64| {
+        let mut recess = wide;
+        recess.defect.width = Some(2.0 * share * wide.contact.semi_major);
+        recess
+    };
+    // W = δ₀ (w/2a)^1.65, S = w/2a.
+    let expected = (2.0 * wide.contact.approach * 0.3_f64.powf(0.65) / wide.contact.curvature).sqrt();
+    let narrow = of(0.3);
+    assert!((narrow.floor_distance() / expected - 1.0).abs() < 1e-6, "{}", narrow.floor_distance());
+    assert!(wide.is_bottomed() && of(5.0).is_bottomed() && !narrow.is_bottomed());
+    assert!(narrow.impact_beside_middle() > wide.impact_beside_middle());
 }
 
 /// A ball without damping and friction rolls twice over an outer defect, shallow enough for it to follow. Its energy is kept to 1e-8 of the

@@ -44,6 +44,9 @@ fn energy(model: &Model, time: f64, state: &[f64]) -> f64 {
     let spindle = layout.spindle(state);
     let mut sum = 0.5 * m.spindle_mass * dot(spindle.velocity, spindle.velocity) - dot(m.load, spindle.position);
     sum -= m.spindle_mass * m.gravity * spindle.position[1];
+    if let Some(inertia) = m.spindle_inertia {
+        sum += 0.5 * inertia.transverse * spindle.tilt_rate.iter().map(|rate| rate * rate).sum::<f64>();
+    }
     for index in 0..layout.balls {
         let ball = layout.ball(state, index);
         let radius = m.pitch_radius + ball.radial;
@@ -130,6 +133,11 @@ fn energy_is_kept_without_dissipation() {
         ("no gravity, no film", frictionless(json!({ "gravity_m_s2": 0, "bearing": { "cage": { "film": "none" } } }))),
         ("free along X", frictionless(json!({ "operation": { "axial_load_n": 15 } }))),
         ("misaligned", frictionless(json!({ "operation": { "misalignment_mrad": { "y": 0.5, "z": 0.5 } } }))),
+        ("free to tilt", frictionless(json!({ "spindle": { "tilt": "free" } }))),
+        (
+            "free along X and to tilt",
+            frictionless(json!({ "operation": { "axial_load_n": 15 }, "spindle": { "tilt": "free" } })),
+        ),
         ("outer waves", frictionless(outer_waves())),
         ("waves at rest", frictionless(changed(waves(), at_rest()))),
         (
@@ -189,7 +197,8 @@ fn a_standing_bearing_loses_energy_at_every_instant() {
     let pockets = json!({
         "lubricant": { "traction": { "coefficient": 0 } }, "terms": { "hydrodynamics": "off", "drag": "off", "churning": "off" }
     });
-    for (name, change) in [("all", json!({})), ("raceways", raceways), ("pockets", pockets)] {
+    let tilting = json!({ "spindle": { "tilt": "free" } });
+    for (name, change) in [("all", json!({})), ("tilting", tilting), ("raceways", raceways), ("pockets", pockets)] {
         let model = model(&changed(changed(article(), lossy.clone()), change));
         for seed in 1..=200 {
             let state = disturbed(&model, seed);

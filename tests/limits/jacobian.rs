@@ -37,6 +37,7 @@ fn the_arrowhead_is_the_whole_jacobian() {
         (wavy, ModelLevel::Full),
         (changed(oil, defects(0.1)), ModelLevel::Full),
         (changed(everything(), uneven_balls(5.0)), ModelLevel::Full),
+        (changed(everything(), json!({ "spindle": { "tilt": "free" } })), ModelLevel::Full),
         (changed(article(), uneven_balls(0.0)), ModelLevel::Planar),
         (article(), ModelLevel::Full),
         (article(), ModelLevel::Planar),

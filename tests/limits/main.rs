@@ -33,6 +33,7 @@ mod stability;
 mod static_distribution;
 mod steps_of_fixed_length;
 mod surface_profile;
+mod tilting_spindle;
 mod unequal_balls;
 mod waviness;
 mod wrong_answers;

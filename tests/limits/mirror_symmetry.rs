@@ -53,7 +53,13 @@ pub fn mirrored(model: &Model, y: &[f64]) -> Vec<f64> {
     };
     layout.set_cage(&mut image, &s);
     let s = layout.spindle(y);
-    layout.set_spindle(&mut image, &SpindleState { position: polar(s.position), velocity: polar(s.velocity) });
+    let s = SpindleState {
+        position: polar(s.position),
+        velocity: polar(s.velocity),
+        tilt: flipped(s.tilt),
+        tilt_rate: flipped(s.tilt_rate),
+    };
+    layout.set_spindle(&mut image, &s);
     image
 }
 
@@ -135,6 +141,7 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
     for (name, json) in [
         ("article", article()),
         ("everything", everything()),
+        ("free to tilt", of(json!({ "spindle": { "tilt": "free" } }))),
         ("misaligned", of(json!({ "operation": { "misalignment_mrad": { "y": 1.0, "z": -0.7 } } }))),
         (
             "angular contact, rising speed, drag",

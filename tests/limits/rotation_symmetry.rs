@@ -37,7 +37,7 @@ fn turned(model: &Model, y: &[f64], steps: usize) -> Vec<f64> {
     layout.set_cage(&mut image, &cage);
     let s = layout.spindle(y);
     let turn_vector = |v: Vector| turn.to_inertial(v);
-    let spindle = SpindleState { position: turn_vector(s.position), velocity: turn_vector(s.velocity) };
+    let spindle = SpindleState { position: turn_vector(s.position), velocity: turn_vector(s.velocity), ..s };
     layout.set_spindle(&mut image, &spindle);
     image
 }

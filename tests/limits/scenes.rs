@@ -188,6 +188,10 @@ pub fn disturbed(model: &Model, seed: u64) -> Vec<f64> {
     let mut spindle = layout.spindle(&state);
     spindle.position = spindle.position.map(|x| x + spread(2e-6));
     spindle.velocity = spindle.velocity.map(|_| spread(0.1));
+    if layout.tilting_spindle {
+        spindle.tilt = spindle.tilt.map(|tilt| tilt + spread(3e-4));
+        spindle.tilt_rate = spindle.tilt_rate.map(|_| spread(10.0));
+    }
     layout.set_spindle(&mut state, &spindle);
     state
 }

@@ -25,6 +25,8 @@
 pub mod numerics;
 /// The bearing: contacts, bodies, forces. Knows no clock and no JSON. Its formulas are unstable: internal to the service.
 pub mod physics;
+/// A shaft on its supports, linear: natural frequencies, critical speeds, response. Unstable: internal to the service.
+pub mod rotor;
 /// The motion: scene, model, equilibrium, run, recording. Unstable: internal to the service.
 pub mod simulation;
 /// Many runs: the points of a grid, and trends and optima over them. Unstable: internal to the service.

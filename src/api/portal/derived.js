@@ -35,6 +35,7 @@ export function showDerived(host, resolved) {
           ['Ball spin', f.ball_spin, 'Hz'],
           loaded && ['Cage, loaded contact angle', loaded.cage, 'Hz'],
           loaded && ['BPFO, loaded contact angle', loaded.ball_pass_outer, 'Hz'],
+          ...(derived.resonances ?? []).map((one) => [`Resonance on the contacts, ${mainAxis(one.direction)}`, one.frequency_hz, 'Hz']),
         ]),
       ),
       h(
@@ -72,6 +73,12 @@ export function showDerived(host, resolved) {
       leftOut(resolved.left_out),
     ),
   );
+}
+
+/** Axis of the largest part of a direction. */
+function mainAxis(direction) {
+  const sizes = direction.map(Math.abs);
+  return ['x', 'y', 'z'][sizes.indexOf(Math.max(...sizes))];
 }
 
 /** Values that suggest a wrong unit. */

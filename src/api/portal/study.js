@@ -17,6 +17,18 @@ const METRICS = [
     (m) => m.channels?.[`spindle.${axis}.acceleration`]?.level_error_db ?? m.accuracy?.level_error_db,
   ]),
   ...['y', 'z'].map((axis) => [`/channels/spindle.${axis}.velocity/rms`, `Velocity ${axis}, rms`, 'mm/s']),
+  ...['y', 'z'].flatMap((axis) => [
+    [`/channels/spindle.${axis}.acceleration/kurtosis`, `Kurtosis ${axis}`, ''],
+    [`/channels/spindle.${axis}.acceleration/crest_factor`, `Crest factor ${axis}`, ''],
+    ...[
+      ['ball_pass_outer', 'BPFO'],
+      ['ball_pass_inner', 'BPFI'],
+      ['double_ball_spin', '2·BSF'],
+    ].flatMap(([rate, label]) => [
+      [`/channels/spindle.${axis}.acceleration/envelope/${rate}/first`, `Envelope ${axis} at ${label}`, 'm/s²'],
+      [`/channels/spindle.${axis}.acceleration/envelope/${rate}/first_over_rms`, `Envelope ${axis} at ${label} over rms`, ''],
+    ]),
+  ]),
   ['/contacts/inner/max_load_n', 'Largest ball load, inner', 'N', (m, value) => m.accuracy?.max_load_error * value],
   ['/contacts/outer/max_load_n', 'Largest ball load, outer', 'N', (m, value) => m.accuracy?.max_load_error * value],
   ['/contacts/inner/max_pressure_mpa', 'Largest pressure, inner', 'MPa', (m, value) => (m.accuracy?.max_load_error * value) / 3],

@@ -468,7 +468,7 @@ function facts(defect) {
   const { entry_to_impact_us: entry, impact_beside_middle_us: beside } = defect;
   return [
     ['Drop between the edges', quantity(defect.edge_drop_um, 'µm', 3)],
-    ['Ball', defect.reaches_floor ? 'reaches the floor' : 'stays on the edges'],
+    ['Ball', defect.reaches_floor ? 'reaches the floor' : beside > 0 ? 'is carried beside the defect' : 'stays on the edges'],
     ['Fall', quantity(defect.fall_um, 'µm', 3)],
     ['Width over contact', defect.width_over_contact === undefined ? 'whole groove' : number(defect.width_over_contact, 3)],
     ['Speed of the contact', quantity(defect.contact_speed_m_s, 'm/s', 3)],

@@ -5,8 +5,12 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::envelope::EnvelopeAnswer;
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
+use super::resonance::ResonanceAnswer;
+use crate::contract::job::outputs::EnvelopeName;
+use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::input::settings::Outputs;
@@ -46,6 +50,14 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub envelope_lines: Option<Vec<LineAnswer>>,
+    /// `squared`: `envelope_lines` and `envelope` are those of squared envelopes, in the square of the unit. Absent: of envelopes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub envelope: Option<EnvelopeName>,
+    /// Resonances of the spindle on its loaded contacts, which impacts excite, the lowest first; absent where all raceways are ideal circles and
+    /// all balls are alike (metrics `vibration`).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub resonances: Vec<ResonanceAnswer>,
     /// The solver that ran, and its work.
     pub solver: SolverAnswer,
     /// Estimated errors of the result.
@@ -107,6 +119,11 @@ pub struct ChannelAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub bands: Option<Vec<BandAnswer>>,
+    /// Envelope at the rates of defects; accelerations with a resolved level at constant speed, where raceways are no ideal circles or balls
+    /// differ.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub envelope: Option<EnvelopeAnswer>,
 }
 
 /// Vibration of a channel in a frequency band.
@@ -244,10 +261,16 @@ pub struct LineAnswer {
 impl Metrics {
     pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
         let summary = &result.summary;
-        let channels = summary
-            .channels
-            .iter()
-            .map(|(channel, m)| (channel.to_string(), channel_answer(channel.unit(), m, &summary.accuracy, *channel)));
+        let channels = summary.channels.iter().map(|(channel, m)| {
+            let found = summary.envelope_harmonics.iter().find(|(of, _)| of == channel);
+            let reference = match outputs.envelope {
+                EnvelopeKind::Magnitude => m.rms,
+                EnvelopeKind::Squared => m.rms * m.rms,
+            };
+            let envelope = found.map(|(_, harmonics)| EnvelopeAnswer::of(harmonics, reference));
+            let answer = channel_answer(channel.unit(), m, &summary.accuracy, *channel);
+            (channel.to_string(), ChannelAnswer { envelope, ..answer })
+        });
         let lines = |of: &[(Channel, Line)]| {
             outputs.vibration.then(|| of.iter().map(|(channel, line)| line_answer(channel.to_string(), line)).collect())
         };
@@ -262,6 +285,8 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: lines(&summary.lines),
             envelope_lines: lines(&summary.envelope_lines),
+            envelope: (outputs.envelope == EnvelopeKind::Squared).then_some(EnvelopeName::Squared),
+            resonances: summary.resonances.iter().map(ResonanceAnswer::from).collect(),
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
             accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
                 .with_slip_of(summary.cage.as_ref().and_then(|cage| cage.slip)),
@@ -285,6 +310,7 @@ fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyRepor
         level_scatter_db: accuracy.level_scatter.of(channel),
         above_band: metrics.above_band,
         bands: has_bands.then(|| metrics.bands.iter().map(BandAnswer::from).collect()),
+        envelope: None,
     }
 }
 

@@ -8,6 +8,9 @@ pub mod signals;
 pub mod views;
 
 pub mod optimum;
+pub mod ross;
+pub mod rotor;
+pub mod rotor_model;
 pub mod table;
 pub mod work_precision;
 
@@ -16,7 +19,9 @@ pub mod uncertainty;
 
 pub mod failure;
 
+pub mod envelope;
 pub mod resolve;
+pub mod resonance;
 pub mod surfaces;
 pub mod unit_warnings;
 

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 
 use super::messages::{self, MessageAnswer};
 use super::report::{FrequenciesAnswer, LeftOutAnswer};
+use super::resonance::ResonanceAnswer;
 use super::surfaces::SurfacesAnswer;
 use super::unit_warnings;
 use crate::contract::job::checked::Job;
@@ -22,10 +23,13 @@ use raceway_core::physics::contact::hertz::raceway_contacts;
 use raceway_core::physics::kinematics::ideal_frequencies;
 use raceway_core::physics::rating::{dynamic_load_rating, dynamic_load_rating_full_formula};
 use raceway_core::simulation::input::scene::Scene;
+use raceway_core::simulation::model::Mechanism;
+use raceway_core::simulation::model::contact_resonance::contact_resonances;
 use raceway_core::simulation::model::equilibrium::{StaticLoads, static_loads};
 use raceway_core::simulation::model::loaded_frequencies::{LoadedFrequencies, loaded_frequencies};
 use raceway_core::simulation::solve::eligibility::active_terms;
 use raceway_core::simulation::solve::plan::Plan;
+use raceway_core::simulation::solve::surface_warnings::surface_warnings;
 
 /// The response of `POST /v1/scenes/resolve`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -77,7 +81,7 @@ pub struct ResolveAnswer {
     /// Model levels that are tried, the cheapest first. A reduced level gives the result only where its verification holds.
     #[schema(example = json!(["radially_condensed", "full"]))]
     pub rungs: Vec<String>,
-    /// Messages about the plan: model levels that are not tried. See `MessageCode`.
+    /// Messages about the plan: limits of what the run can say about its surfaces, and model levels that are not tried. See `MessageCode`.
     pub messages: Vec<MessageAnswer>,
     /// Terms omitted on the first of `rungs`, with the reason; the next levels omit fewer.
     pub left_out: Vec<LeftOutAnswer>,
@@ -123,6 +127,9 @@ pub struct DerivedAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub surfaces: Option<SurfacesAnswer>,
+    /// Resonances of the spindle on its loaded contacts, the lowest first; absent without an equilibrium.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub resonances: Vec<ResonanceAnswer>,
     /// Static equilibrium under the applied loads and the weight of the spindle; absent where there is none.
     #[serde(rename = "static", skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -146,20 +153,20 @@ pub struct StaticAnswer {
     pub max_pressure_mpa: f64,
 }
 
-/// Resolves a checked job.
-pub fn resolve_answer(job: &Job) -> ResolveAnswer {
-    let base = job.base();
+/// Resolves a checked job; `None` for a rotor job, which simulates nothing.
+pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
+    let base = job.base()?;
     let at_rest = static_loads(base.scene(), &base.terms).ok();
     let (plan, points, most_runs) = match job {
-        Job::Simulation(_) => (None, None, None),
+        Job::Simulation(_) | Job::Rotor(_) => (None, None, None),
         Job::Study(study) => (None, Some(study.points as u64), None),
         Job::Optimum(search) => (None, None, Some(search.most_runs() as u64)),
         Job::Accuracy(comparison) => (Some(&comparison.plan), None, None),
     };
-    ResolveAnswer {
+    Some(ResolveAnswer {
         scene: base.scene_json(),
         solver: given_fields(&base.solver),
-        outputs: outputs(job),
+        outputs: outputs(job, base),
         settle_s: base.settings.settle,
         duration_s: base.settings.duration,
         methods: plan.map(|plan| plan.methods.iter().map(|method| method.name().to_owned()).collect()),
@@ -174,16 +181,24 @@ pub fn resolve_answer(job: &Job) -> ResolveAnswer {
         cost: cost::estimate(job),
         derived: DerivedAnswer {
             surfaces: SurfacesAnswer::of(base.scene(), &base.terms),
+            resonances: resonances(base),
             ..derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten())
         },
         warnings: unit_warnings::warnings(base, at_rest.as_ref()),
-    }
+    })
 }
 
-/// Model levels that are not tried, with the reasons.
+/// Limits of what the run can say about its surfaces, and model levels that are not tried.
 fn messages_of(base: &Simulation) -> Vec<MessageAnswer> {
     let not_eligible = Plan::of(base.scene(), &base.settings).map(|plan| plan.not_eligible).unwrap_or_default();
-    not_eligible.iter().map(messages::of_not_eligible).collect()
+    let ideal = Mechanism::new(base.scene(), &base.terms);
+    let of_surfaces = surface_warnings(base.scene(), &ideal, &base.settings);
+    of_surfaces.iter().map(messages::of_warning).chain(not_eligible.iter().map(messages::of_not_eligible)).collect()
+}
+
+fn resonances(base: &Simulation) -> Vec<ResonanceAnswer> {
+    let ideal = Mechanism::new(base.scene(), &base.terms);
+    contact_resonances(&ideal, base.scene().operating_speed()).iter().map(ResonanceAnswer::from).collect()
 }
 
 /// Terms omitted on the first model level.
@@ -195,8 +210,8 @@ fn left_out(base: &Simulation) -> Vec<LeftOutAnswer> {
     terms.iter().map(LeftOutAnswer::from).collect()
 }
 
-fn outputs(job: &Job) -> Value {
-    let mut outputs = given_fields(&job.base().outputs);
+fn outputs(job: &Job, base: &Simulation) -> Value {
+    let mut outputs = given_fields(&base.outputs);
     if job.simulations().is_some() {
         // Studies and optimum jobs keep metrics only.
         outputs["spectra"] = Value::Array(Vec::new());
@@ -220,6 +235,7 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
         frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
         surfaces: None,
+        resonances: Vec::new(),
         at_rest: at_rest.and_then(static_answer),
     }
 }

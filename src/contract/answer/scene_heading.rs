@@ -79,7 +79,7 @@ mod tests {
     use crate::contract::parse_job_or_scene;
 
     fn words(scene: &str) -> String {
-        scene_heading(parse_job_or_scene(scene.as_bytes()).unwrap().base())
+        scene_heading(parse_job_or_scene(scene.as_bytes()).unwrap().base().unwrap())
     }
 
     #[test]

@@ -44,7 +44,8 @@ pub struct SpectrumAnswer {
     pub amplitude: Vec<f64>,
 }
 
-/// `amplitude`: spectrum of the signal. `envelope`: spectrum of its envelope after a band-pass filter.
+/// `amplitude`: spectrum of the signal. `envelope`: spectrum of its envelope after a band-pass filter, or of the square of this envelope
+/// (`outputs.envelope`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpectrumKind {
@@ -60,12 +61,17 @@ impl SpectrumAnswer {
         self.kind == SpectrumKind::Amplitude
     }
 
-    pub fn of(channel: Channel, kind: SpectrumKind, spectrum: &Spectrum, solver: &SolverReport) -> Self {
+    pub fn of(
+        (channel, unit): (Channel, String),
+        kind: SpectrumKind,
+        spectrum: &Spectrum,
+        solver: &SolverReport,
+    ) -> Self {
         let mean_step = solver.statistics.advanced / solver.statistics.steps.max(1) as f64;
         Self {
             channel: channel.to_string(),
             kind,
-            unit: channel.unit().to_owned(),
+            unit,
             window: spectrum.window.to_owned(),
             averages: spectrum.averages,
             resolution_hz: spectrum.resolution,

@@ -95,7 +95,7 @@ pub struct DefectAnswer {
     /// Drop of a ball that rests on both edges, by length and relative curvature alone [µm].
     #[schema(minimum = 0)]
     pub edge_drop_um: f64,
-    /// True if the ball reaches the floor: the drop exceeds the depth.
+    /// True if the ball reaches the floor: the drop exceeds the depth, and the defect is wide enough for the ball.
     pub reaches_floor: bool,
     /// Deepest fall of the ball on its path [µm].
     #[schema(minimum = 0)]
@@ -107,12 +107,13 @@ pub struct DefectAnswer {
     /// Speed of the contact along the raceway [m/s].
     #[schema(minimum = 0)]
     pub contact_speed_m_s: f64,
-    /// Time from the entry to the last impact [µs], shorter than the time to the other edge.
+    /// Time from the entry, where the middle of the contact passes the first edge, to the last impact [µs]: that to the middle and
+    /// `impact_beside_middle_us`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub entry_to_impact_us: Option<f64>,
-    /// Times of the strongest impacts before and after the middle [µs]; 0 if the ball does not reach the
-    /// floor.
+    /// Times of the strongest impacts before and after the middle [µs], where the ball meets and leaves the floor, or the ground beside a
+    /// narrow defect; 0 if it stays on both edges, with one impact in the middle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub impact_beside_middle_us: Option<f64>,

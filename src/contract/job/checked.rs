@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::comparison::Comparison;
 use super::kind::JobKind;
+use super::rotor::RotorJob;
 use super::search::Search;
 use super::simulation::{Simulation, Submission};
 use super::study::Study;
@@ -17,6 +18,7 @@ pub enum Job {
     Study(Study),
     Optimum(Search),
     Accuracy(Comparison),
+    Rotor(Box<RotorJob>),
 }
 
 impl Job {
@@ -27,6 +29,7 @@ impl Job {
             JobKind::Study => Study::of(request).map(Self::Study),
             JobKind::Optimum => Search::of(request).map(Self::Optimum),
             JobKind::Accuracy => Comparison::of(request).map(Self::Accuracy),
+            JobKind::Rotor => RotorJob::of(request).map(|job| Self::Rotor(Box::new(job))),
         }
     }
 
@@ -48,30 +51,42 @@ impl Job {
             Self::Study(_) => JobKind::Study,
             Self::Optimum(_) => JobKind::Optimum,
             Self::Accuracy(_) => JobKind::Accuracy,
+            Self::Rotor(_) => JobKind::Rotor,
         }
     }
 
-    /// The simulation itself, or what all runs of the job share.
-    pub fn base(&self) -> &Simulation {
+    /// The simulation itself, or what all runs of the job share; `None` for a rotor job, which simulates nothing.
+    pub fn base(&self) -> Option<&Simulation> {
         match self {
-            Self::Simulation(simulation) => simulation,
-            Self::Study(study) => &study.base,
-            Self::Optimum(search) => &search.base,
-            Self::Accuracy(comparison) => &comparison.base,
+            Self::Simulation(simulation) => Some(simulation),
+            Self::Study(study) => Some(&study.base),
+            Self::Optimum(search) => Some(&search.base),
+            Self::Accuracy(comparison) => Some(&comparison.base),
+            Self::Rotor(_) => None,
         }
     }
 
     pub fn submission(&self) -> &Submission {
-        &self.base().submission
+        match self {
+            Self::Simulation(simulation) => &simulation.submission,
+            Self::Study(study) => &study.base.submission,
+            Self::Optimum(search) => &search.base.submission,
+            Self::Accuracy(comparison) => &comparison.base.submission,
+            Self::Rotor(rotor) => &rotor.submission,
+        }
     }
 
-    pub fn scene(&self) -> &Scene {
-        self.base().scene()
+    /// The scene of the simulations; `None` for a rotor job.
+    pub fn scene(&self) -> Option<&Scene> {
+        self.base().map(Simulation::scene)
     }
 
     /// The scene with all defaults, as in a request.
     pub fn scene_json(&self) -> Value {
-        self.base().scene_json()
+        match self.base() {
+            Some(base) => base.scene_json(),
+            None => self.complete()["scene"].take(),
+        }
     }
 
     /// The study, if the job is one.
@@ -87,7 +102,7 @@ impl Job {
         match self {
             Self::Study(study) => Some(study.points),
             Self::Optimum(search) => Some(search.most_runs()),
-            Self::Simulation(_) | Self::Accuracy(_) => None,
+            Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
         }
     }
 
@@ -98,15 +113,19 @@ impl Job {
             Self::Study(study) => study.canonical().to_string(),
             Self::Optimum(search) => search.canonical().to_string(),
             Self::Accuracy(comparison) => comparison.complete().to_string(),
+            Self::Rotor(rotor) => rotor.complete().to_string(),
         }
     }
 
     /// The job with all defaults, without axes, metric and goal, and without the fields that concern only the service.
     pub fn complete(&self) -> Value {
-        if let Self::Accuracy(comparison) = self {
-            return comparison.complete();
-        }
-        let mut job = self.base().complete();
+        let mut job = match self {
+            Self::Accuracy(comparison) => return comparison.complete(),
+            Self::Rotor(rotor) => return rotor.complete(),
+            Self::Simulation(simulation) => simulation.complete(),
+            Self::Study(study) => study.base.complete(),
+            Self::Optimum(search) => search.base.complete(),
+        };
         job["kind"] = self.kind().name().into();
         job
     }

@@ -1,6 +1,7 @@
 //! Estimated cost of a job.
 
 use raceway_core::simulation::error::lyapunov::judged_stretch;
+use raceway_core::simulation::input::settings::RunSettings;
 use raceway_core::simulation::solve::cost::Cost;
 use raceway_core::simulation::solve::plan::Plan;
 use raceway_core::simulation::work_precision;
@@ -11,7 +12,7 @@ use super::checked::Job;
 use crate::contract::json::numbers::significant;
 
 /// Estimated cost of the job.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CostAnswer {
     /// Number of first-order states on the last of `rungs`.
     pub states: u64,
@@ -46,15 +47,15 @@ const SLOWER: f64 = 2.0;
 /// Longest estimate of many runs [s].
 const LONGEST: f64 = 1e12;
 
-/// Estimated cost: of the first candidate of the plan, and of all candidates at most.
+/// Estimated cost: of the first candidate of the plan, and of all candidates at most. Nothing for a rotor job, which takes milliseconds.
 pub fn estimate(job: &Job) -> CostAnswer {
-    let base = job.base();
+    let Some(base) = job.base() else { return CostAnswer::default() };
     let (scene, settings) = (base.scene(), &base.settings);
     let plan = Plan::of(scene, settings).ok();
     let cost = plan.map(|plan| Cost::of(scene, settings, &base.terms, &plan));
     let times = match job {
         Job::Accuracy(comparison) => {
-            let time = Cost::of_dynamics(scene, settings, &base.terms, compared_time(job, &comparison.plan));
+            let time = Cost::of_dynamics(scene, settings, &base.terms, compared_time(settings, &comparison.plan));
             time.map(|time| (TIGHT * time, SLOWER * TIGHT * time))
         }
         _ => cost.and_then(|cost| cost.wall_time),
@@ -72,8 +73,7 @@ pub fn estimate(job: &Job) -> CostAnswer {
 }
 
 /// Simulated time of all runs of a comparison [s].
-fn compared_time(job: &Job, plan: &work_precision::Plan) -> f64 {
-    let settings = &job.base().settings;
+fn compared_time(settings: &RunSettings, plan: &work_precision::Plan) -> f64 {
     let runs = (plan.methods.len() * plan.relative_tolerances.len()) as f64 * f64::from(plan.repetitions);
     settings.settle + 2.0 * judged_stretch(settings) + (runs + REFERENCE_RUNS) * settings.duration
 }

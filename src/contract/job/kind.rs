@@ -7,7 +7,7 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, listed};
 use serde_json::Value;
 
-/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances.
+/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JobKindName {
@@ -15,6 +15,7 @@ pub enum JobKindName {
     Study,
     Optimum,
     Accuracy,
+    Rotor,
 }
 
 /// Kinds of jobs.
@@ -24,6 +25,7 @@ pub enum JobKind {
     Study,
     Optimum,
     Accuracy,
+    Rotor,
 }
 
 impl From<JobKindName> for JobKind {
@@ -33,6 +35,7 @@ impl From<JobKindName> for JobKind {
             JobKindName::Study => Self::Study,
             JobKindName::Optimum => Self::Optimum,
             JobKindName::Accuracy => Self::Accuracy,
+            JobKindName::Rotor => Self::Rotor,
         }
     }
 }
@@ -41,7 +44,7 @@ impl From<JobKindName> for JobKind {
 pub const FIELDS_OF_SOME_KINDS: [&str; 6] = ["axes", "metric", "goal", "methods", "relative_tolerances", "repetitions"];
 
 impl JobKind {
-    pub const ALL: [Self; 4] = [Self::Simulation, Self::Study, Self::Optimum, Self::Accuracy];
+    pub const ALL: [Self; 5] = [Self::Simulation, Self::Study, Self::Optimum, Self::Accuracy, Self::Rotor];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -49,13 +52,14 @@ impl JobKind {
             Self::Study => "study",
             Self::Optimum => "optimum",
             Self::Accuracy => "accuracy",
+            Self::Rotor => "rotor",
         }
     }
 
     /// Those of `FIELDS_OF_SOME_KINDS` that this kind takes.
     pub fn takes(self) -> &'static [&'static str] {
         match self {
-            Self::Simulation => &[],
+            Self::Simulation | Self::Rotor => &[],
             Self::Study => &["axes"],
             Self::Optimum => &["axes", "metric", "goal"],
             Self::Accuracy => &["methods", "relative_tolerances", "repetitions"],

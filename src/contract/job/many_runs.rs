@@ -14,15 +14,11 @@ pub fn already_varied(varied: &Varied, other: &Varied) -> String {
     }
 }
 
-/// Refuses spectra, their envelope band, and series: a job of many simulations keeps none.
+/// Refuses spectra and series: a job of many simulations keeps none.
 pub fn refuse_signals(kind: JobKind, input: &JobInput, defaults: &mut Defaults) {
     let outputs = input.outputs.clone().unwrap_or_default();
     let keeps = |channels: Option<Vec<String>>| channels.is_some_and(|channels| !channels.is_empty());
-    for (pointer, given) in [
-        ("/outputs/spectra", keeps(outputs.spectra)),
-        ("/outputs/series", keeps(outputs.series)),
-        ("/outputs/envelope_band_hz", outputs.envelope_band_hz.is_some()),
-    ] {
+    for (pointer, given) in [("/outputs/spectra", keeps(outputs.spectra)), ("/outputs/series", keeps(outputs.series))] {
         if given {
             defaults.refuse(
                 pointer,

@@ -7,7 +7,8 @@ use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
-use raceway_core::physics::spindle::AxialHold;
+use raceway_core::numerics::spectrum::EnvelopeKind;
+use raceway_core::physics::spindle::{AxialHold, SpindleTilt};
 use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
 use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
 use raceway_core::simulation::input::settings::{ENVELOPE_BAND, Outputs, longest_window};
@@ -29,6 +30,27 @@ pub struct OutputsInput {
     /// 2000 to 20 000.
     #[schema(nullable = false, example = json!([2000, 20000]))]
     pub envelope_band_hz: Option<[f64; 2]>,
+    /// What the spectrum of the envelope is of. Default: `magnitude`.
+    #[schema(nullable = false)]
+    pub envelope: Option<EnvelopeName>,
+}
+
+/// `magnitude`: the envelope itself, in the channel's unit. `squared`: its square, in the square of the unit; the differences of a few tones
+/// have no harmonics in it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EnvelopeName {
+    Magnitude,
+    Squared,
+}
+
+impl From<EnvelopeName> for EnvelopeKind {
+    fn from(name: EnvelopeName) -> Self {
+        match name {
+            EnvelopeName::Magnitude => Self::Magnitude,
+            EnvelopeName::Squared => Self::Squared,
+        }
+    }
 }
 
 /// `vibration`: channels and spectral lines. `contacts`: loads, pressure and slip of the raceway contacts. `cage`:
@@ -55,7 +77,7 @@ impl MetricsPart {
 pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
 const MAX_CHANNELS: usize = 64;
 /// Limits of the band whose envelope is analysed [Hz].
-const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
+pub const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
 impl OutputsInput {
@@ -65,11 +87,16 @@ impl OutputsInput {
         let usual = USUAL_SPECTRA.map(str::to_owned).to_vec();
         let spectra = defaults.fill("/outputs/spectra", &mut self.spectra, usual);
         let series = defaults.fill("/outputs/series", &mut self.series, Vec::new());
+        let is_uneven = scene.is_some_and(|scene| !scene.surfaces.are_ideal());
+        let envelope_harmonics = outputs.vibration && is_uneven;
+        let has_spectra = envelope_harmonics || !spectra.is_empty();
         Outputs {
             spectra: channels(defaults, "/outputs/spectra", &spectra, scene),
             series: channels(defaults, "/outputs/series", &series, scene),
             envelope_band: envelope_band(defaults, &mut self.envelope_band_hz),
-            longest_window: scene.filter(|_| !spectra.is_empty()).map_or(outputs.longest_window, longest_window),
+            envelope: defaults.fill("/outputs/envelope", &mut self.envelope, EnvelopeName::Magnitude).into(),
+            envelope_harmonics,
+            longest_window: scene.filter(|_| has_spectra).map_or(outputs.longest_window, longest_window),
             ..outputs
         }
     }
@@ -131,7 +158,7 @@ pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
     let channel = Channel::parse(name, balls).ok_or_else(|| {
         let name: String = name.chars().take(100).collect();
         format!(
-            "unknown channel `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, \
+            "unknown channel `{name}`; channels are spindle.{{x|y|z}}.{{displacement|velocity|acceleration}}, spindle.tilt.{{y|z}}, \
              cage.{{x|y|z}}.displacement, cage.speed, ball.N.spin and ball.N.{{inner|outer|pocket}}.load with N = 1…{balls}"
         )
     })?;
@@ -139,6 +166,9 @@ pub fn channel(name: &str, scene: &Scene) -> Result<Channel, String> {
     match channel {
         Channel::Spindle(Axis::X, _) if scene.spindle.axial != AxialHold::Free || off(Term::Axial) => {
             Err(format!("`{name}` exists only where the spindle's axial direction is free (/scene/spindle/axial)"))
+        }
+        Channel::SpindleTilt(_) if scene.spindle.tilt == SpindleTilt::Held => {
+            Err(format!("`{name}` exists only where the spindle tilts freely (/scene/spindle/tilt)"))
         }
         Channel::CageDisplacement(_) | Channel::CageSpeed | Channel::BallLoad(_, BallContact::Pocket)
             if off(Term::Cage) =>

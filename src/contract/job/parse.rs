@@ -18,8 +18,9 @@ pub fn parse_job(body: &[u8]) -> Result<Job, Refusal> {
     Job::of(strict::read(body)?)
 }
 
-/// Reads `{ "jobs": … }`. Each job is accepted or refused on its own, with pointers from its own root.
-pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
+/// Reads `{ "jobs": … }`. Each job is accepted or refused on its own, with pointers from its own root. Jobs after `stop` has returned true are
+/// left out.
+pub fn parse_batch(body: &[u8], stop: &dyn Fn() -> bool) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Batch<'a> {
@@ -46,7 +47,7 @@ pub fn parse_batch(body: &[u8]) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
         let detail = format!("{} jobs: must be from 1 to {MAX_JOBS}", jobs.len());
         return Err(FieldError::new("/jobs", detail).into());
     }
-    Ok(jobs.into_iter().map(|job| parse_job(job.get().as_bytes())).collect())
+    Ok(jobs.into_iter().take_while(|_| !stop()).map(|job| parse_job(job.get().as_bytes())).collect())
 }
 
 /// Reads a job, or `{ "scene": … }` for a simulation of it.
@@ -56,7 +57,10 @@ pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
         let detail = "a scene alone: must be an object `{\"scene\": …}`, with this as its field `scene`";
         return Err(FieldError::new("", detail).into());
     }
-    simulation_by_default(request)
+    match simulation_by_default(request)? {
+        Job::Rotor(_) => Err(FieldError::new("/kind", "`rotor` has nothing to resolve: post it to /v1/rotor").into()),
+        job => Ok(job),
+    }
 }
 
 /// Reads a job, `{ "scene": … }` for a simulation of it, or the scene alone.
@@ -82,6 +86,11 @@ pub fn parse_study_request(body: &[u8]) -> Result<Job, Refusal> {
 /// Reads an optimum job, with or without its kind.
 pub fn parse_optimum_request(body: &[u8]) -> Result<Job, Refusal> {
     of_kind(JobKind::Optimum, strict::read(body)?)
+}
+
+/// Reads a rotor job, with or without its kind.
+pub fn parse_rotor_request(body: &[u8]) -> Result<Job, Refusal> {
+    of_kind(JobKind::Rotor, strict::read(body)?)
 }
 
 /// Checks a job of one kind, which the request may omit.

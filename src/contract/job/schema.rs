@@ -11,6 +11,8 @@ use crate::contract::json::schema::{Schemas, change, set_defaults, set_limits};
 
 /// Name of the schema of a job of any kind.
 const JOB: &str = "JobInput";
+/// Name of the schema of a rotor job, which shares no scene with the other kinds.
+const ROTOR: &str = "RotorJob";
 
 /// A kind of job in the OpenAPI document.
 pub struct Kind {
@@ -125,6 +127,13 @@ pub fn complete(schemas: &mut Schemas) {
     let Some(RefOr::T(Schema::Object(every))) = schemas.remove(JOB) else { return };
     schemas.extend(KINDS.iter().map(|kind| (kind.name.to_owned(), RefOr::T(kind.part_of(&every).into()))));
     schemas.insert(JOB.to_owned(), RefOr::T(any_kind(every.description)));
+    for limits in limits::all_of_rotor() {
+        let path: Vec<&str> = limits.pointer().split('/').skip(1).collect();
+        change(schemas, ROTOR, &path, &|number| set_limits(number, limits));
+    }
+    for (path, name, value) in rotor_defaults() {
+        change(schemas, ROTOR, path, &|object| set_defaults(object, name, Some(&json!({ name: value }))));
+    }
     for kind in &KINDS {
         let usual = kind.with_defaults();
         for pointer in kind.defaults {
@@ -138,9 +147,32 @@ pub fn complete(schemas: &mut Schemas) {
 fn any_kind(description: Option<String>) -> Schema {
     let place = |kind: &Kind| Ref::from_schema_name(kind.name);
     let mapping = KINDS.iter().map(|kind| (kind.kind.name(), place(kind).ref_location));
+    let rotor = || Ref::from_schema_name(ROTOR);
+    let mapping = mapping.chain([(JobKind::Rotor.name(), rotor().ref_location)]);
     let any =
         OneOfBuilder::new().description(description).discriminator(Some(Discriminator::with_mapping("kind", mapping)));
-    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).into()
+    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).item(rotor()).into()
+}
+
+/// Fixed defaults of a rotor job: path to the object, field and value.
+fn rotor_defaults() -> [(&'static [&'static str], &'static str, Value); 14] {
+    let (shaft, operation): (&[&str], &[&str]) = (&["scene", "shaft"], &["scene", "operation"]);
+    [
+        (&[], "modes", json!(8)),
+        (&[], "priority", json!(2)),
+        (&[], "reuse", json!(true)),
+        (&["scene"], "gravity_m_s2", json!(9.81)),
+        (shaft, "damping_ratio", json!(0.005)),
+        (shaft, "rotating_share", json!(0)),
+        (shaft, "elements", json!("auto")),
+        (operation, "radial_load_y_n", json!(0)),
+        (operation, "radial_load_z_n", json!(0)),
+        (operation, "axial_load_n", json!(0)),
+        (&["scene", "shaft", "sections"], "inner_diameter_mm", json!(0)),
+        (&["scene", "shaft", "discs"], "transverse_inertia_kg_m2", json!(0)),
+        (&["scene", "shaft", "discs"], "axial_inertia_kg_m2", json!(0)),
+        (&["scene", "shaft", "unbalances"], "phase_deg", json!(0)),
+    ]
 }
 
 impl Kind {
@@ -175,7 +207,7 @@ impl Kind {
         match self.kind {
             JobKind::Study => request["axes"][0]["count"] = json!(2),
             JobKind::Optimum => request["metric"] = json!("/channels/spindle.y.acceleration/level_db"),
-            JobKind::Simulation | JobKind::Accuracy => {}
+            JobKind::Simulation | JobKind::Accuracy | JobKind::Rotor => {}
         }
         let Ok(job) = Job::of(request) else { return Value::Null };
         let mut complete = job.complete();

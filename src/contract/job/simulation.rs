@@ -129,10 +129,6 @@ impl Draft {
         Ok(Self { kind, request, input, defaults, unread, resolved, scene_errors })
     }
 
-    fn scene(&self) -> Option<&Scene> {
-        self.resolved.as_ref().map(|resolved| &resolved.scene)
-    }
-
     /// The scene with all defaults, as in a request; `None` where it has errors.
     pub fn scene_json(&self) -> Option<Value> {
         self.resolved.as_ref().map(|resolved| given_fields(&resolved.input))
@@ -179,7 +175,8 @@ impl Draft {
             self.defaults.check("/keep_for_s", keep);
         }
         // A missing term may be one of the fields that could not be read.
-        let model = self.scene().filter(|_| self.unread.is_empty()).map(|scene| model(scene, &settings, levels));
+        let readable = self.resolved.as_ref().filter(|_| self.unread.is_empty());
+        let model = readable.map(|resolved| model(resolved, &settings, levels));
         let model = match model {
             Some(Err(error)) if !self.defaults.errors.iter().any(|known| known.pointer == error.pointer) => {
                 self.defaults.errors.push(error);
@@ -216,17 +213,19 @@ impl Draft {
 
 /// Terms of the equations, and the model levels that are tried.
 fn model(
-    scene: &Scene,
+    resolved: &ResolvedScene,
     settings: &RunSettings,
     levels: impl Fn(&Scene, &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice>,
 ) -> Result<(ActiveTerms, Vec<ModelLevel>), FieldError> {
+    let scene = &resolved.scene;
     let needs = active_terms(scene, &settings.outputs, settings.rung).map_err(unmet)?;
-    check_defects(scene, &needs, settings.fixed_step)?;
+    check_defects(resolved, &needs, settings.fixed_step)?;
     Ok((needs, levels(scene, settings).map_err(unmet)?))
 }
 
 /// Refuses defects that leave no ideal part of their raceway, and steps that would pass over a defect.
-fn check_defects(scene: &Scene, terms: &ActiveTerms, fixed_step: Option<f64>) -> Result<(), FieldError> {
+fn check_defects(resolved: &ResolvedScene, terms: &ActiveTerms, fixed_step: Option<f64>) -> Result<(), FieldError> {
+    let scene = &resolved.scene;
     let rings = &scene.surfaces.raceway;
     let of_balls = scene.surfaces.balls.iter().any(|ball| !ball.defects.is_empty());
     if rings.inner.defects.is_empty() && rings.outer.defects.is_empty() && !of_balls {
@@ -235,7 +234,7 @@ fn check_defects(scene: &Scene, terms: &ActiveTerms, fixed_step: Option<f64>) ->
     let mechanism = Mechanism::new(scene, terms);
     let Some(surfaces) = averaged_surfaces(&mechanism, scene) else { return Ok(()) };
     if of_balls {
-        check_ball_defects(&averaged_balls(&mechanism, scene), fixed_step)?;
+        check_ball_defects(&averaged_balls(&mechanism, scene), resolved, fixed_step)?;
     }
     for (ring, given, averaged) in [("inner", &rings.inner, &surfaces.inner), ("outer", &rings.outer, &surfaces.outer)]
     {
@@ -261,17 +260,24 @@ fn check_defects(scene: &Scene, terms: &ActiveTerms, fixed_step: Option<f64>) ->
 }
 
 /// Refuses defects of balls that leave no ideal part of their hemisphere, and steps that would pass over a defect.
-fn check_ball_defects(balls: &[PerRaceway<AveragedBall>], fixed_step: Option<f64>) -> Result<(), FieldError> {
+fn check_ball_defects(
+    balls: &[PerRaceway<AveragedBall>],
+    resolved: &ResolvedScene,
+    fixed_step: Option<f64>,
+) -> Result<(), FieldError> {
     for (index, ball) in balls.iter().enumerate() {
         for BallRecess { recess, .. } in ball.inner.defects.iter().chain(&ball.outer.defects) {
             let longest = 2.0 * recess.contact.radius - 4.0 * recess.contact.half_width;
             if recess.defect.length >= longest {
                 let (diameter, longest) = (short(MM.to_user(recess.defect.length)), short(MM.to_user(longest)));
-                let detail = format!(
-                    "a defect of {diameter} mm on ball {}: must be below {longest} mm, the ball less two contacts",
-                    index + 1
-                );
-                return Err(FieldError::new("/scene/surfaces/balls", detail));
+                let detail = format!("{diameter} mm: must be below {longest} mm, the ball less two contacts");
+                let given = resolved.input.surfaces.iter().flat_map(|surfaces| surfaces.balls.iter().flatten());
+                let item = given.map(|given| given.ball as usize).position(|ball| ball == index + 1);
+                let defects = &resolved.scene.surfaces.balls[index].defects;
+                let defect = defects.iter().position(|defect| defect.diameter == recess.defect.length);
+                let (item, defect) = (item.unwrap_or_default(), defect.unwrap_or_default());
+                let pointer = format!("/scene/surfaces/balls/{item}/defects/{defect}/diameter_mm");
+                return Err(FieldError::new(pointer, detail));
             }
             let longest = recess.longest_step();
             if let Some(step) = fixed_step.filter(|step| *step > longest) {
@@ -298,7 +304,8 @@ fn unmet(unmet: UnsupportedChoice) -> FieldError {
 const MAX_LABELS: usize = 16;
 const MAX_LABEL: usize = 200;
 
-fn check_labels(labels: &[String], defaults: &mut Defaults) {
+/// Refuses labels that are too many, too long or not printable.
+pub(super) fn check_labels(labels: &[String], defaults: &mut Defaults) {
     if labels.len() > MAX_LABELS {
         defaults.refuse("/labels", format!("{} labels: at most {MAX_LABELS}", labels.len()));
     }

@@ -84,6 +84,16 @@ impl Defaults {
         }
     }
 
+    /// Refuses a number of a rotor job outside the limits of its field; returns whether it is inside.
+    pub fn check_of_rotor(&mut self, pointer: &str, value: f64) -> bool {
+        let Some(limits) = limits::of_rotor_field(pointer) else { return true };
+        let is_inside = (limits.lowest..=limits.highest).contains(&value);
+        if !is_inside {
+            self.refuse(pointer, numbers::out_of_range(value, limits.lowest, limits.highest, false, limits.unit));
+        }
+        is_inside
+    }
+
     /// Refuses fields of `object` that its `law` does not use; `fields` are (name, is given, is used). Refuses nothing where the
     /// law itself could not be read: `law` is then a substitute.
     pub fn only_used(&mut self, object: &str, law: &str, fields: &[(&str, bool, bool)]) {
@@ -100,8 +110,13 @@ impl Defaults {
     /// The filled fields, or the errors to report. An error of a default is reported only when nothing else is wrong, because a default
     /// that was computed from a wrong value is wrong as well. Inconsistencies are not reported for values that are missing or replaced.
     pub fn into_result(mut self) -> Result<Vec<String>, Vec<FieldError>> {
+        // A wrong item is left out of its list, so that the places of later ones differ from those of the request.
+        let is_of_surfaces = |error: &FieldError| error.pointer.starts_with("/scene/surfaces/");
+        let has_wrong_surfaces = self.errors.iter().any(is_of_surfaces);
         let is_requested = |error: &FieldError| {
-            self.unread.is_empty() && !(self.has_substitute && error.pointer.starts_with("/scene/bearing/"))
+            self.unread.is_empty()
+                && !(self.has_substitute && error.pointer.starts_with("/scene/bearing/"))
+                && !(has_wrong_surfaces && is_of_surfaces(error))
         };
         self.errors.extend(self.inconsistent.into_iter().filter(is_requested));
         if self.errors.is_empty() && self.unread.is_empty() {

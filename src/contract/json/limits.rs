@@ -43,6 +43,70 @@ const OF_A_JOB: [FieldLimits; 9] = [
     from("/solver/fixed_step_us", 1e-3, 1e3, "µs"),
 ];
 
+/// Limits of fields of a rotor job, without indices of lists.
+const OF_A_ROTOR: [FieldLimits; 40] = [
+    from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
+    from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
+    from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
+    from("/speeds_rpm/count", 2.0, 1000.0, ""),
+    from("/modes", 1.0, 40.0, ""),
+    from("/priority", 1.0, 4.0, ""),
+    from("/keep_for_s", 1.0, 315_360_000.0, "s"),
+    from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),
+    from("/scene/operation/speed_rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/radial_load_y_n", -1e7, 1e7, "N"),
+    from("/scene/operation/radial_load_z_n", -1e7, 1e7, "N"),
+    from("/scene/operation/axial_load_n", -1e7, 1e7, "N"),
+    from("/scene/shaft/material/elastic_modulus_gpa", 1e-3, 2000.0, "GPa"),
+    from("/scene/shaft/material/poisson_ratio", 0.0, 0.5, ""),
+    from("/scene/shaft/material/density_kg_m3", 10.0, 30_000.0, "kg/m³"),
+    from("/scene/shaft/damping_ratio", 0.0, 0.5, ""),
+    from("/scene/shaft/rotating_share", 0.0, 1.0, ""),
+    from("/scene/shaft/sections/length_mm", 0.01, 20_000.0, "mm"),
+    from("/scene/shaft/sections/outer_diameter_mm", 0.5, 2000.0, "mm"),
+    from("/scene/shaft/sections/inner_diameter_mm", 0.0, 2000.0, "mm"),
+    from("/scene/shaft/discs/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/shaft/discs/mass_kg", 0.0, 1e6, "kg"),
+    from("/scene/shaft/discs/transverse_inertia_kg_m2", 0.0, 1e6, "kg m²"),
+    from("/scene/shaft/discs/axial_inertia_kg_m2", 0.0, 1e6, "kg m²"),
+    from("/scene/shaft/unbalances/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/shaft/unbalances/unbalance_g_mm", 0.0, 1e9, "g·mm"),
+    from("/scene/shaft/unbalances/phase_deg", -360.0, 360.0, "°"),
+    from("/scene/bearings/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/bearings/outer_ring/offset_um/x", -1000.0, 1000.0, "µm"),
+    from("/scene/bearings/outer_ring/offset_um/y", -1000.0, 1000.0, "µm"),
+    from("/scene/bearings/outer_ring/offset_um/z", -1000.0, 1000.0, "µm"),
+    from("/scene/bearings/outer_ring/tilt_mrad/y", -20.0, 20.0, "mrad"),
+    from("/scene/bearings/outer_ring/tilt_mrad/z", -20.0, 20.0, "mrad"),
+    from("/scene/preloads/force_n", 0.0, 1e6, "N"),
+    from("/scene/preloads/offset_um", -500.0, 500.0, "µm"),
+    from("/scene/supports/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/supports/stiffness_n_per_um", 0.0, 1e6, "N/µm"),
+    from("/scene/supports/damping_n_s_per_m", 0.0, 1e9, "N·s/m"),
+    from("/scene/supports/tilt_n_m_per_mrad", 0.0, 1e9, "N·m/mrad"),
+    from("/scene/supports/tilt_damping_n_m_s_per_rad", 0.0, 1e9, "N·m·s/rad"),
+];
+
+/// The limits of a field of a rotor job, whose pointer may have indices of lists.
+pub fn of_rotor_field(pointer: &str) -> Option<&'static FieldLimits> {
+    let is_index = |part: &&str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit());
+    let parts: Vec<&str> = pointer.split('/').filter(|part| !is_index(part)).collect();
+    let named = parts.join("/");
+    OF_A_ROTOR.iter().find(|limits| limits.pointer == named)
+}
+
+/// Every field of a rotor job that has limits.
+pub fn all_of_rotor() -> impl Iterator<Item = &'static FieldLimits> {
+    OF_A_ROTOR.iter()
+}
+
+impl FieldLimits {
+    /// Pointer from the root of a job, without indices of lists.
+    pub fn pointer(&self) -> &'static str {
+        self.pointer
+    }
+}
+
 /// The limits of a field of a job, or of an item of a list by those of the list; `None` for fields of the scene and fields without limits.
 pub fn of_field(pointer: &str) -> Option<&'static FieldLimits> {
     let is_it = |rest: &str| rest.is_empty() || rest.starts_with('/');
@@ -87,9 +151,9 @@ mod tests {
         // A choice and a list have no range.
         let lists = ["inner", "outer"]
             .map(|ring| ["waviness", "axial_waviness", "defects"].map(|list| format!("surfaces.{ring}.{list}")));
-        assert_eq!(without[0], "spindle.axial");
+        assert_eq!(without[..2], ["spindle.axial", "spindle.tilt"]);
         let of_balls = ["balls.waviness", "balls.defects", "balls"].map(|list| format!("surfaces.{list}"));
-        assert_eq!(without[1..], [lists.concat(), of_balls.to_vec()].concat());
+        assert_eq!(without[2..], [lists.concat(), of_balls.to_vec()].concat());
         // A limit as it is shown is allowed, to the last bit, when it is sent back in the user's unit.
         for (parameter, pointer, unit) in parameters::fields() {
             let Some(limits) = limits_of(parameter) else { continue };

@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 136] = [
+const FIELDS: [(&str, &str, Unit); 139] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -50,6 +50,9 @@ const FIELDS: [(&str, &str, Unit); 136] = [
     ("spindle.balance_grade", "/spindle/balance_grade", MM_S),
     ("spindle.axial", "/spindle/axial", NUMBER),
     ("spindle.axial.offset", "/spindle/axial/offset_um", UM),
+    ("spindle.tilt", "/spindle/tilt", NUMBER),
+    ("spindle.transverse_inertia", "/spindle/transverse_inertia_kg_m2", KG_M2),
+    ("spindle.axial_inertia", "/spindle/axial_inertia_kg_m2", KG_M2),
     ("lubricant.viscosity", "/lubricant/viscosity_pa_s", PA_S),
     ("lubricant.pressure_viscosity", "/lubricant/pressure_viscosity_per_pa", PER_PA),
     ("lubricant.fill", "/lubricant/fill", NUMBER),
@@ -147,7 +150,7 @@ const FIELDS: [(&str, &str, Unit); 136] = [
 ];
 
 /// Parameter, field under `/scene` and the field's unit. Where a parameter has several fields, its errors point to the first;
-/// indices of lists are omitted.
+/// places in lists are omitted.
 pub fn fields() -> impl Iterator<Item = (&'static str, &'static str, Unit)> {
     FIELDS.iter().copied()
 }
@@ -165,5 +168,22 @@ pub fn field_error(error: &InvalidParameter) -> FieldError {
         }
         InvalidParameter::Inconsistent { reason, .. } => reason.clone(),
     };
-    FieldError::new(format!("/scene{pointer}"), detail)
+    let items: &[usize] = match error {
+        InvalidParameter::Inconsistent { items, .. } => items,
+        InvalidParameter::OutOfRange { .. } => &[],
+    };
+    FieldError::new(format!("/scene{}", with_items(pointer, items)), detail)
+}
+
+/// Lists of the scene whose items are objects.
+const LISTS: [&str; 4] = ["waviness", "axial_waviness", "defects", "balls"];
+
+/// A pointer with the places of items behind the lists on its path.
+fn with_items(pointer: &str, items: &[usize]) -> String {
+    let mut items = items.iter();
+    let with_item = |token: &str| match LISTS.contains(&token).then(|| items.next()).flatten() {
+        Some(item) => format!("{token}/{item}"),
+        None => token.to_owned(),
+    };
+    pointer.split('/').map(with_item).collect::<Vec<_>>().join("/")
 }

@@ -63,6 +63,19 @@ pub fn optional_object<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deseriali
     object(deserializer).map(Some)
 }
 
+/// For a field that holds a list of objects.
+pub fn list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    let items = Vec::<ObjectOnly<T>>::deserialize(deserializer)?;
+    Ok(items.into_iter().map(|item| item.0).collect())
+}
+
+/// For a field that may hold a list of objects.
+pub fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Option<Vec<T>>, D::Error> {
+    list(deserializer).map(Some)
+}
+
 /// For a field that holds a whole number; as [`whole_number`].
 pub fn required_whole_number<'de, D: Deserializer<'de>, const MIN: u32, const MAX: u32>(
     deserializer: D,

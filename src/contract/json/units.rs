@@ -52,3 +52,5 @@ pub const PA: Unit = si("Pa");
 pub const PA_S: Unit = si("Pa·s");
 pub const PER_PA: Unit = si("1/Pa");
 pub const S: Unit = si("s");
+pub const N_PER_UM: Unit = Unit { name: "N/µm", times: 1e6, over: 1.0 };
+pub const N_M_PER_MRAD: Unit = Unit { name: "N·m/mrad", times: 1e3, over: 1.0 };

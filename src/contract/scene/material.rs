@@ -88,7 +88,8 @@ impl MaterialsInput {
     }
 }
 
-fn material(
+/// A material in SI; replaces a name by its constants.
+pub(super) fn material(
     defaults: &mut Defaults,
     pointer: String,
     field: &mut Option<NameOr<String, MaterialInput>>,

@@ -13,6 +13,11 @@ pub mod spindle;
 pub mod surfaces;
 pub mod terms;
 
+pub mod rotor_bearings;
+pub mod rotor_scene;
+pub mod shaft;
+pub mod supports;
+
 pub mod presets;
 
 mod bearing_base;

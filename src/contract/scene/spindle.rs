@@ -5,7 +5,8 @@ use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::units::{G_MM, MM_S, UM};
-use raceway_core::physics::spindle::{AxialHold, Spindle, Unbalance};
+use raceway_core::physics::defaults::spindle_inertia;
+use raceway_core::physics::spindle::{AxialHold, Spindle, SpindleInertia, SpindleTilt, Unbalance};
 
 /// A rigid spindle.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -23,6 +24,23 @@ pub struct SpindleInput {
     /// Axial support. Default: `free` with an axial load, else `fixed`.
     #[schema(nullable = false)]
     pub axial: Option<AxialInput>,
+    /// Tilt about Y and Z: `held`, or `free`: the bearing alone holds it. Default: `held`, at `operation.misalignment_mrad`.
+    #[schema(nullable = false)]
+    pub tilt: Option<TiltInput>,
+    /// Moment of inertia about Y and Z, of a spindle that tilts freely [kg·m²]. Default: that of a solid steel shaft of this mass, 7 diameters long.
+    #[schema(nullable = false)]
+    pub transverse_inertia_kg_m2: Option<f64>,
+    /// Moment of inertia about the axis, of a spindle that tilts freely [kg·m²]. Default: that of the same shaft.
+    #[schema(nullable = false)]
+    pub axial_inertia_kg_m2: Option<f64>,
+}
+
+/// Tilt of the spindle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TiltInput {
+    Held,
+    Free,
 }
 
 /// `fixed`, `free` (the spindle moves along X and takes the axial load), or fixed at an offset.
@@ -40,7 +58,36 @@ impl SpindleInput {
         let mass = defaults.fill("/scene/spindle/mass_kg", &mut self.mass_kg, default_mass);
         let usual = if axial_load == 0.0 { AxialInput::Fixed } else { AxialInput::Free };
         let axial = defaults.fill("/scene/spindle/axial", &mut self.axial, usual);
-        Spindle { mass, unbalance: self.unbalance(defaults), axial: axial.in_physics() }
+        Spindle {
+            mass,
+            unbalance: self.unbalance(defaults),
+            axial: axial.in_physics(),
+            tilt: self.tilt(defaults, mass),
+        }
+    }
+
+    fn tilt(&mut self, defaults: &mut Defaults, mass: f64) -> SpindleTilt {
+        if self.tilt != Some(TiltInput::Free) {
+            let given = [
+                ("transverse_inertia_kg_m2", self.transverse_inertia_kg_m2),
+                ("axial_inertia_kg_m2", self.axial_inertia_kg_m2),
+            ];
+            for (name, _) in given.iter().filter(|(_, value)| value.is_some()) {
+                defaults.refuse(
+                    format!("/scene/spindle/{name}"),
+                    "goes with `tilt` free, because only then does the spindle tilt",
+                );
+            }
+            return SpindleTilt::Held;
+        }
+        let usual = spindle_inertia(mass);
+        let mut take = |name: &str, field: &mut Option<f64>, usual: f64| {
+            defaults.fill(format!("/scene/spindle/{name}"), field, usual)
+        };
+        SpindleTilt::Free(SpindleInertia {
+            transverse: take("transverse_inertia_kg_m2", &mut self.transverse_inertia_kg_m2, usual.transverse),
+            axial: take("axial_inertia_kg_m2", &mut self.axial_inertia_kg_m2, usual.axial),
+        })
     }
 
     fn unbalance(&mut self, defaults: &mut Defaults) -> Unbalance {

@@ -1,6 +1,6 @@
 //! Surfaces of raceways and balls.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::preset_names::SurfaceName;
@@ -8,7 +8,7 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::out_of_range;
 use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::{
-    ObjectOnly, optional_object, required_whole_number, whole_number, wide_whole_number,
+    optional_list, optional_object, required_whole_number, whole_number, wide_whole_number,
 };
 use crate::contract::json::units::{DEG, MM, NM, NUMBER, UM, Unit};
 use raceway_core::physics::bearing::PerRaceway;
@@ -208,11 +208,6 @@ pub struct RandomWavinessInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "whole_number::<_, 1, 100_000>")]
     #[schema(nullable = false, value_type = u64)]
     pub to_order: Option<u32>,
-}
-
-fn optional_list<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Option<Vec<T>>, D::Error> {
-    let items = Vec::<ObjectOnly<T>>::deserialize(deserializer)?;
-    Ok(Some(items.into_iter().map(|item| item.0).collect()))
 }
 
 /// Refuses numbers outside their limits, each by its own pointer. `fields`: the parameter's last name, its field, value and unit.

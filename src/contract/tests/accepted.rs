@@ -14,7 +14,7 @@ use raceway_core::physics::spindle::{AxialHold, Unbalance};
 
 /// What all runs of the job share.
 fn base(request: &Value) -> Simulation {
-    job(request).base().clone()
+    job(request).base().unwrap().clone()
 }
 
 fn job(request: &Value) -> Job {
@@ -41,7 +41,7 @@ fn extremes_are_accepted() {
     for clearance in [0.0, -3.0] {
         let bearing = json!({"preset": "article-integrated", "radial_clearance_um": clearance});
         let job = job(&json!({"kind": "simulation", "scene": {"bearing": bearing, "operation": {"speed_rpm": 1}}}));
-        assert_eq!(job.scene().bearing.free_contact_angle, 0.0);
+        assert_eq!(job.scene().unwrap().bearing.free_contact_angle, 0.0);
     }
 }
 
@@ -49,7 +49,7 @@ fn extremes_are_accepted() {
 #[test]
 fn the_article_is_what_its_tables_say() {
     let job = job(&article(json!({"speed_rpm": 50000, "radial_load_y_n": 200})));
-    let scene = job.scene();
+    let scene = job.scene().unwrap();
     let bearing = &scene.bearing.parameters;
     assert_eq!((bearing.ball_count, bearing.ball_diameter, bearing.pitch_diameter), (7, 2.778e-3, 13e-3));
     assert_eq!(bearing.fit, Fit::RadialClearance(5e-6));
@@ -62,7 +62,7 @@ fn the_article_is_what_its_tables_say() {
     assert_eq!((scene.lubricant.viscosity, scene.lubricant.fill), (0.02, 0.05));
     assert_eq!(scene.operation.load, [0.0, 200.0, 0.0]);
     assert!((scene.operating_speed() - 5_235.987_755_98).abs() < 1e-6);
-    let (settings, submission) = (&job.base().settings, job.submission());
+    let (settings, submission) = (&job.base().unwrap().settings, job.submission());
     assert_eq!((settings.settle, settings.duration), (0.02, 0.1));
     assert_eq!((settings.relative_tolerance, settings.tightened), (1e-3, Some(1e-5)));
     assert_eq!(settings.model_tolerance_db, 0.05);
@@ -147,8 +147,14 @@ fn resolved_scenes_resolve_to_themselves() {
             assert_eq!(first.scene(), second.scene());
             assert_eq!(first.scene_json(), second.scene_json());
             assert_eq!(first.canonical(), second.canonical());
-            let left: Vec<_> =
-                second.base().resolved.defaults.iter().filter(|pointer| pointer.starts_with("/scene")).collect();
+            let left: Vec<_> = second
+                .base()
+                .unwrap()
+                .resolved
+                .defaults
+                .iter()
+                .filter(|pointer| pointer.starts_with("/scene"))
+                .collect();
             assert!(left.is_empty(), "{left:?}");
         }
     }

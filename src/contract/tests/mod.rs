@@ -5,6 +5,7 @@ mod results;
 mod schema;
 mod several_errors;
 mod study;
+mod surface_messages;
 mod surfaces;
 
 mod requests;

@@ -97,6 +97,13 @@ fn impossible_scenes_are_refused() {
         (operation(r#""speed_rpm":[{"at_s":0}]"#), "/scene/operation/speed_rpm/0/rpm", "required"),
         (operation(r#""speed_rpm":[[0,1]]"#), "/scene/operation/speed_rpm/0", "expected an object"),
         (operation(r#""speed_rpm":1,"radial_load_y_n":1e8"#), "/scene/operation/radial_load_y_n", "100000000 N"),
+        (scene(r#""spindle":{"tilt":"loose"}"#), "/scene/spindle/tilt", "expected `held` or `free`"),
+        (scene(r#""spindle":{"axial_inertia_kg_m2":1e-5}"#), "/scene/spindle/axial_inertia_kg_m2", "goes with `tilt` free"),
+        (
+            scene(r#""spindle":{"tilt":"free","transverse_inertia_kg_m2":0}"#),
+            "/scene/spindle/transverse_inertia_kg_m2",
+            "0 kg m²: must be from",
+        ),
         (operation(r#""speed_rpm":1,"misalignment_mrad":{"y":21}"#), "/scene/operation/misalignment_mrad/y", "21 mrad"),
         (
             operation(r#""speed_rpm":1,"initial_perturbation":{"speed_mm_s":-1}"#),

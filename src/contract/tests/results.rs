@@ -15,7 +15,7 @@ fn article() -> Value {
 #[test]
 fn the_article_resolves_to_its_numbers() {
     let job = parse_scene_request(article().to_string().as_bytes()).unwrap();
-    let answer = resolve_answer(&job);
+    let answer = resolve_answer(&job).unwrap();
     let derived = &answer.derived;
     assert!((derived.inner_stiffness_n_per_m1_5 / 1.399e10 - 1.0).abs() < 1e-3);
     assert!((derived.outer_stiffness_n_per_m1_5 / 1.492e10 - 1.0).abs() < 1e-3);
@@ -124,7 +124,8 @@ fn an_accuracy_job_compares_methods_with_a_reference() {
 fn an_accuracy_job_costs_more_than_a_run() {
     let mut request = json!({"kind": "simulation", "settle_s": 0.02, "duration_s": 0.02,
         "scene": {"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}});
-    let resolved = |request: &Value| resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap());
+    let resolved =
+        |request: &Value| resolve_answer(&parse_scene_request(request.to_string().as_bytes()).unwrap()).unwrap();
     let one = resolved(&request);
     request["kind"] = json!("accuracy");
     let many = resolved(&request);
@@ -180,7 +181,7 @@ fn absurd_numbers_never_reach_an_answer() {
             *scene.pointer_mut(pointer).unwrap() = json!(value);
             let body = json!({"scene": scene}).to_string();
             let Ok(job) = parse_scene_request(body.as_bytes()) else { continue };
-            let answer = serde_json::to_string(&resolve_answer(&job)).unwrap();
+            let answer = serde_json::to_string(&resolve_answer(&job).unwrap()).unwrap();
             assert!(!answer.contains("null"), "{pointer} {value}: {answer}");
         }
     }

@@ -271,7 +271,7 @@ fn the_table_tells_the_best_point_and_what_may_be_as_good() {
 #[test]
 fn a_study_resolves_to_its_points_and_the_cost_of_one() {
     let request = request(json!([{ "path": "/spindle/mass_kg", "values": [0.02, 0.05, 0.1] }]));
-    let answer = crate::contract::resolve_answer(&parse_job(request.to_string().as_bytes()).unwrap());
+    let answer = crate::contract::resolve_answer(&parse_job(request.to_string().as_bytes()).unwrap()).unwrap();
     assert_eq!((answer.points, answer.rungs.len()), (Some(3), 2));
     let (estimate, most) = (answer.cost.estimated_wall_time_s.unwrap(), answer.cost.most_wall_time_s.unwrap());
     assert!(most > 2.0 * estimate, "{estimate} {most}");

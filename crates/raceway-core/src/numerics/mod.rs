@@ -2,14 +2,18 @@
 //! Imports none of the other rooms.
 
 pub(crate) mod angle;
+pub(crate) mod banded;
+pub(crate) mod bordered;
 pub(crate) mod decimation;
 pub mod elliptic;
 pub(crate) mod exponential;
 pub(crate) mod interpolation;
 pub mod lanes;
+pub(crate) mod minimum;
 pub mod ode;
 pub mod parallel;
 pub(crate) mod periodic;
+pub(crate) mod quadratic_eigen;
 pub(crate) mod random;
 pub mod roots;
 pub mod rounding;

@@ -96,21 +96,36 @@ pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> 
     if n == 0 {
         return amplitude_spectrum(signal, rate);
     }
-    envelope(forward(&mut signal.to_vec()), n, rate, band)
+    envelope(forward(&mut signal.to_vec()), n, rate, band, EnvelopeKind::Magnitude)
+}
+
+/// What the spectrum of an envelope is of. The square of the envelope of a few tones has no lines beyond their differences.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EnvelopeKind {
+    /// Magnitude of the analytic signal.
+    #[default]
+    Magnitude,
+    /// Its square.
+    Squared,
 }
 
 /// Both spectra of a signal from one transform: [`amplitude_spectrum`] and, to rounding, [`envelope_spectrum`].
-pub(crate) fn amplitude_and_envelope(signal: &[f64], rate: f64, band: (f64, f64)) -> (Spectrum, Spectrum) {
+pub(crate) fn amplitude_and_envelope(
+    signal: &[f64],
+    rate: f64,
+    band: (f64, f64),
+    kind: EnvelopeKind,
+) -> (Spectrum, Spectrum) {
     let n = signal.len();
     if n == 0 {
         return (amplitude_spectrum(signal, rate), amplitude_spectrum(signal, rate));
     }
     let bins = bins_about_mean(signal);
-    (amplitudes(&bins, n, rate), envelope(bins, n, rate, band))
+    (amplitudes(&bins, n, rate), envelope(bins, n, rate, band, kind))
 }
 
 /// Amplitude spectrum of the envelope of `n` values in a band [Hz], from their transform.
-fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64)) -> Spectrum {
+fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64), kind: EnvelopeKind) -> Spectrum {
     // The mean and, for an even count, the last bin have no quarter turn.
     let frequency = |k: usize| k as f64 * rate / n as f64;
     let from = bins_below(bins.len(), |k| k == 0 || frequency(k) < band.0);
@@ -121,7 +136,11 @@ fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64)) -> 
     let mut quarter_turn: Vec<Complex64> = bins.iter().map(|bin| Complex64::new(bin.im, -bin.re)).collect();
     let in_phase = inverse(&mut bins, n);
     let in_quadrature = inverse(&mut quarter_turn, n);
-    let envelope: Vec<f64> = in_phase.iter().zip(&in_quadrature).map(|(re, im)| (re * re + im * im).sqrt()).collect();
+    let squares = in_phase.iter().zip(&in_quadrature).map(|(re, im)| re * re + im * im);
+    let envelope: Vec<f64> = match kind {
+        EnvelopeKind::Magnitude => squares.map(f64::sqrt).collect(),
+        EnvelopeKind::Squared => squares.collect(),
+    };
     amplitude_spectrum(&envelope, rate)
 }
 
@@ -353,6 +372,18 @@ mod tests {
         assert_eq!(strongest(&spectrum), 35);
         assert!((spectrum.amplitude[35] - 0.5).abs() < 1e-6);
         assert!(spectrum.amplitude[80] < 1e-6, "what lies outside the band is not seen");
+    }
+
+    /// Two tones 350 Hz apart, of amplitudes 2 and 0.5: the square of their envelope is 4.25 + 2 cos, with one line.
+    #[test]
+    fn the_squared_envelope_of_two_tones_has_one_line() {
+        let n = 10_240;
+        let (one, other) = (tone(n, 8000.0, 2.0, 0.0), tone(n, 8350.0, 0.5, 0.4));
+        let signal: Vec<f64> = one.iter().zip(&other).map(|(one, other)| one + other).collect();
+        let of = |kind| amplitude_and_envelope(&signal, RATE, (6000.0, 10_000.0), kind).1;
+        let (magnitude, squared) = (of(EnvelopeKind::Magnitude), of(EnvelopeKind::Squared));
+        assert!((squared.amplitude[35] - 2.0).abs() < 1e-6 && squared.amplitude[70] < 1e-9);
+        assert!(magnitude.amplitude[70] > 0.02, "the magnitude has harmonics");
     }
 
     /// Whether or not the ends meet; where they did not, the last value used to be off by half of the step between them.

@@ -11,6 +11,7 @@ use super::contact::damping::DampingLaw;
 use super::contact::traction::TractionLaw;
 use super::lubricant::LubricantKind;
 use super::material::{GCR15, Material, PA46};
+use super::spindle::SpindleInertia;
 use crate::numerics::rounding::significant;
 
 /// Acceleration of gravity [m/s²].
@@ -201,7 +202,17 @@ pub fn pocket_film(lubricant: LubricantKind) -> PocketFilm {
 /// Mass of a solid steel shaft of the bore [mm], 7 bores long [kg].
 pub fn shaft_mass(bore_mm: f64) -> f64 {
     let bore = bore_mm / 1e3;
-    significant(GCR15.density * FRAC_PI_4 * bore * bore * 7.0 * bore, 4)
+    significant(GCR15.density * FRAC_PI_4 * bore * bore * SHAFT_LENGTH * bore, 4)
+}
+
+/// Length of a shaft over its diameter [-].
+const SHAFT_LENGTH: f64 = 7.0;
+
+/// Moments of inertia of a solid steel shaft of this shape and a mass [kg].
+pub fn spindle_inertia(mass: f64) -> SpindleInertia {
+    let diameter = (mass / (GCR15.density * FRAC_PI_4 * SHAFT_LENGTH)).cbrt();
+    let of_cylinder = SpindleInertia::of_cylinder(mass, diameter, SHAFT_LENGTH * diameter);
+    SpindleInertia { transverse: significant(of_cylinder.transverse, 4), axial: significant(of_cylinder.axial, 4) }
 }
 
 /// Middle of the radial internal clearance of group N of deep groove ball bearings by bore [µm] (ISO 5753-1).

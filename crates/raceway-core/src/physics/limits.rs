@@ -31,7 +31,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 83] = [
+const LIMITS: [Limits; 85] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -65,6 +65,8 @@ const LIMITS: [Limits; 83] = [
     within("spindle.unbalance", 0.0, 1e3),
     within("spindle.balance_grade", 0.0, 5.0),
     within("spindle.axial.offset", -0.01, 0.01),
+    within("spindle.transverse_inertia", 1e-12, 1e6),
+    within("spindle.axial_inertia", 1e-12, 1e6),
     within("operation.speed", -MAX_SPEED, MAX_SPEED),
     within("operation.speed.at", 0.0, 1e6),
     within("operation.axial_load", -1e7, 1e7),
@@ -135,9 +137,10 @@ pub enum InvalidParameter {
     /// Outside `lowest ..= highest` (infinite: no limit; `exclusive`: the lowest itself is refused). SI.
     #[error("{parameter} = {value} must lie in {lowest} … {highest}")]
     OutOfRange { parameter: &'static str, value: f64, lowest: f64, highest: f64, exclusive: bool },
-    /// Each value is allowed by itself, but no bearing has all of them together.
+    /// Each value is allowed by itself, but no bearing has all of them together. `items`: the place in each list on the path, from the
+    /// outermost; empty where the whole list is meant.
     #[error("{parameter}: {reason}")]
-    Inconsistent { parameter: &'static str, reason: String },
+    Inconsistent { parameter: &'static str, items: Vec<usize>, reason: String },
 }
 
 /// Faults of the parameters of an object to be built.
@@ -159,7 +162,12 @@ impl Faults {
 
     /// Records values that are allowed individually but not together.
     pub(crate) fn inconsistent(&mut self, parameter: &'static str, reason: String) {
-        self.0.push(InvalidParameter::Inconsistent { parameter, reason });
+        self.inconsistent_item(parameter, &[], reason);
+    }
+
+    /// The same of items of lists.
+    pub(crate) fn inconsistent_item(&mut self, parameter: &'static str, items: &[usize], reason: String) {
+        self.0.push(InvalidParameter::Inconsistent { parameter, items: items.to_vec(), reason });
     }
 
     /// Records the faults of a part.

@@ -7,6 +7,7 @@ pub mod cage;
 pub mod contact;
 pub mod defaults;
 pub mod drag;
+pub mod frame;
 pub mod frames;
 pub mod kinematics;
 pub mod land;
@@ -20,6 +21,7 @@ pub mod presets;
 pub mod raceway;
 pub mod rating;
 pub mod spindle;
+pub mod statics;
 pub mod surface;
 
 pub use limits::InvalidParameter;

@@ -1,4 +1,4 @@
-//! The spindle: a rigid mass at prescribed speed that moves in Y and Z, and in X when it is free.
+//! The spindle: a rigid body at prescribed speed that moves in Y and Z, and along X and in tilt where they are free.
 
 use super::frames::Vector;
 use super::limits::Faults;
@@ -12,6 +12,32 @@ pub enum AxialHold {
     Free,
     /// Held at this displacement along X [m].
     Offset(f64),
+}
+
+/// Tilt of the spindle about Y and Z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SpindleTilt {
+    /// Held at the misalignment of the operation.
+    Held,
+    /// The bearing alone holds it.
+    Free(SpindleInertia),
+}
+
+/// Moments of inertia of a spindle about its centre of mass [kg m²].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpindleInertia {
+    /// About Y and Z.
+    pub transverse: f64,
+    /// About its axis.
+    pub axial: f64,
+}
+
+impl SpindleInertia {
+    /// A solid cylinder of a mass [kg], a diameter and a length [m].
+    pub fn of_cylinder(mass: f64, diameter: f64, length: f64) -> Self {
+        let square = diameter * diameter;
+        Self { transverse: mass * (square / 16.0 + length * length / 12.0), axial: mass * square / 8.0 }
+    }
 }
 
 /// Unbalance of the spindle.
@@ -30,6 +56,7 @@ pub struct Spindle {
     pub mass: f64,
     pub unbalance: Unbalance,
     pub axial: AxialHold,
+    pub tilt: SpindleTilt,
 }
 
 impl Spindle {
@@ -43,6 +70,10 @@ impl Spindle {
         };
         if let AxialHold::Offset(offset) = self.axial {
             faults.check("spindle.axial.offset", offset);
+        }
+        if let SpindleTilt::Free(inertia) = self.tilt {
+            faults.check("spindle.transverse_inertia", inertia.transverse);
+            faults.check("spindle.axial_inertia", inertia.axial);
         }
     }
 
@@ -72,7 +103,12 @@ mod tests {
     /// G 6.3 at 50 000 r/min on 50 g: e = 6.3 mm/s / ω, F = m ω · 6.3 mm/s, pointing at the heavy side.
     #[test]
     fn grade_gives_mass_times_speed_times_grade() {
-        let spindle = Spindle { mass: 0.05, unbalance: Unbalance::Grade(6.3e-3), axial: AxialHold::Fixed };
+        let spindle = Spindle {
+            mass: 0.05,
+            unbalance: Unbalance::Grade(6.3e-3),
+            axial: AxialHold::Fixed,
+            tilt: SpindleTilt::Held,
+        };
         let speed = 5236.0;
         let force = unbalance_force(spindle.unbalance_product(speed), std::f64::consts::FRAC_PI_2, speed, 0.0);
         assert!((force[2] - 0.05 * speed * 6.3e-3).abs() < 1e-12 && force[1].abs() < 1e-12);

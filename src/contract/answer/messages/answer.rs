@@ -62,6 +62,17 @@ pub enum Severity {
 ///
 /// `tilt-transient`: Cage and balls may still begin to tilt in viscous oil. Increase `settle_s`.
 ///
+/// `missed-resonance`: The band of the envelope leaves out the resonance that a defect excites most. Set `outputs.envelope_band_hz` to the band that the
+/// text names.
+///
+/// `bridged-troughs`: A ball cannot follow the troughs of waves, which the model supposes. Reduce their amplitude or order.
+///
+/// `rough-contact`: The heights within a contact exceed its film, so that the surfaces touch, which is not modelled. Leave short waves out.
+///
+/// `track-off-equator`: A ball rolls beside its equator, where its waves fade. Give lower orders, or reduce tilt and axial load.
+///
+/// `merged-cage-lines`: Spectra do not separate lines that differ by the cage speed. Increase `duration_s`, or the speed.
+///
 /// `candidate-rejected`: A model level or step was tried and rejected. Another one made the result.
 ///
 /// `model-not-eligible`: A model level was not tried. The text names the reason.
@@ -85,6 +96,11 @@ pub enum MessageCode {
     StartTransient,
     CageTransient,
     TiltTransient,
+    MissedResonance,
+    BridgedTroughs,
+    RoughContact,
+    TrackOffEquator,
+    MergedCageLines,
     CandidateRejected,
     ModelNotEligible,
     MethodChosen,

@@ -5,8 +5,10 @@ use serde_json::{Value, json};
 use super::answer::{MessageAnswer, MessageCode, Severity, message};
 use super::candidates::{cause_text, gap_text};
 use super::words::{field, listed, numbers, signed, time};
+use crate::contract::answer::resonance::envelope_band;
 use crate::contract::json::numbers::significant;
-use raceway_core::simulation::error::codes::{Uncertainty, Warning};
+use crate::contract::json::units::{DEG, NM};
+use raceway_core::simulation::error::codes::{SurfacePart, Uncertainty, Warning};
 use raceway_core::simulation::error::comparison::SILENCE;
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::result::metrics::level_db;
@@ -160,7 +162,80 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             );
             (MessageCode::TiltTransient, text, numbers(&[("required_settle_s", *required)]))
         }
+        Warning::MissedResonance { resonance, band: (low, high), advised: (from, to) } => {
+            let (low, high) = (significant(*low, 3), significant(*high, 3));
+            let text = format!(
+                "The envelope of {low} to {high} Hz leaves out the resonance of the spindle on its contacts, {} Hz, which a defect excites most: its \
+                 envelope lines are weak. Set outputs.envelope_band_hz to {}.",
+                significant(*resonance, 3),
+                band_text((*from, *to))
+            );
+            (MessageCode::MissedResonance, text, numbers(&[("resonance_hz", *resonance)]))
+        }
+        Warning::BridgedTroughs { part, order, amplitude, largest } => {
+            let text = format!(
+                "Waves of {} are too steep: at order {order} the amplitude is {} nm, and a ball follows at most {} nm into the troughs. Reduce \
+                 amplitudes or orders.",
+                part_text(*part),
+                significant(NM.to_user(*amplitude), 3),
+                significant(NM.to_user(*largest), 3)
+            );
+            let amplitudes = [("amplitude_nm", NM.to_user(*amplitude)), ("largest_amplitude_nm", NM.to_user(*largest))];
+            let mut values = numbers(&amplitudes);
+            values.push(("order", json!(order)));
+            (MessageCode::BridgedTroughs, text, values)
+        }
+        Warning::RoughContact { part, roughness, film } => {
+            let (roughness, film) = (NM.to_user(*roughness), NM.to_user(*film));
+            let text = format!(
+                "Surfaces touch on {}: the waves shorter than the contact have {} nm rms, and the film is {} nm thin. Contact of roughness is not \
+                 modelled. Leave these waves out, or thicken the film by speed or viscosity.",
+                part_text(*part),
+                significant(roughness, 3),
+                significant(film, 3)
+            );
+            (MessageCode::RoughContact, text, numbers(&[("roughness_nm", roughness), ("film_nm", film)]))
+        }
+        Warning::TrackOffEquator { ball, latitude, order } => {
+            let degrees = DEG.to_user(*latitude);
+            let text = format!(
+                "Ball {ball} rolls {}° beside its equator, where its waves fade: orders above {order} are more than 1 dB weaker than given. Give \
+                 lower orders, or reduce tilt and axial load.",
+                significant(degrees, 2)
+            );
+            let mut values = numbers(&[("latitude_deg", degrees)]);
+            values.extend([("ball", json!(ball)), ("order", json!(order))]);
+            (MessageCode::TrackOffEquator, text, values)
+        }
+        Warning::MergedCageLines { cage, window, required, longest } => {
+            let remedy = if required <= longest {
+                format!("Set duration_s to {} or more.", significant(*required, 2))
+            } else {
+                format!("No spectrum is longer than {} s: increase the speed.", significant(*longest, 3))
+            };
+            let text = format!(
+                "Spectra over {} s do not separate lines that differ by the speed of the cage, {} Hz. {remedy}",
+                significant(*window, 3),
+                significant(*cage, 3)
+            );
+            let values = [("window_s", *window), ("cage_speed_hz", *cage), ("required_window_s", *required)];
+            (MessageCode::MergedCageLines, text, numbers(&values))
+        }
     };
     let severity = if warning.is_remark() { Severity::Info } else { Severity::Warning };
     message(code, severity, text, values)
+}
+
+/// A band in the form of the request.
+fn band_text((low, high): (f64, f64)) -> String {
+    let [low, high] = envelope_band(low, high);
+    format!("[{low}, {high}]")
+}
+
+fn part_text(part: SurfacePart) -> String {
+    match part {
+        SurfacePart::Inner => "the inner raceway".to_owned(),
+        SurfacePart::Outer => "the outer raceway".to_owned(),
+        SurfacePart::Ball(number) => format!("ball {number}"),
+    }
 }

@@ -61,6 +61,9 @@ pub const MOST_BALL_DEFECTS: usize = 4;
 /// Largest deviation of a ball's diameter over the nominal diameter [-].
 const LARGEST_DEVIATION: f64 = 0.01;
 
+/// Names of the number of a ball and of its deviation.
+const NUMBER: &str = "surfaces.balls.ball";
+const DEVIATION: &str = "surfaces.balls.diameter_deviation";
 const NAMES: WaveNames = WaveNames {
     waviness: "surfaces.balls.waviness",
     wave: ["surfaces.balls.waviness.order", "surfaces.balls.waviness.amplitude", "surfaces.balls.waviness.phase"],
@@ -105,7 +108,7 @@ impl BallSurface {
     }
 
     fn check(&self, faults: &mut Faults) {
-        faults.check("surfaces.balls.diameter_deviation", self.diameter_deviation);
+        faults.check(DEVIATION, self.diameter_deviation);
         NAMES.check_waves(&self.waviness, MOST_WAVES, faults);
         for random in &self.random_waviness {
             random.check(&RANDOM_OF_A_BALL, faults);
@@ -126,10 +129,10 @@ impl BallSurface {
 /// Checks the surfaces of single balls and of every ball, each by itself.
 pub(super) fn check(balls: &[GivenBall], every: &EveryBall, faults: &mut Faults) {
     for (index, GivenBall { ball, surface }) in balls.iter().enumerate() {
-        faults.check("surfaces.balls.ball", f64::from(*ball));
+        faults.check(NUMBER, f64::from(*ball));
         if let Some(first) = balls.iter().take(index).position(|other| other.ball == *ball) {
             let reason = format!("items {first} and {index} are both of ball {ball}: give them as one");
-            faults.inconsistent("surfaces.balls", reason);
+            faults.inconsistent_item(NUMBER, &[index], reason);
         }
         surface.check(faults);
     }
@@ -146,13 +149,13 @@ pub(super) fn check_fit(balls: &[GivenBall], every: &EveryBall, bearing: &Bearin
     let limit = format!("at most {:.4} µm, a hundredth of the ball diameter", 1e6 * most);
     for (index, GivenBall { ball, surface }) in balls.iter().enumerate() {
         if *ball as usize > p.ball_count {
-            let reason = format!("ball {ball} of item {index}: the bearing has {} balls", p.ball_count);
-            faults.inconsistent("surfaces.balls", reason);
+            let reason = format!("{ball}: the bearing has {} balls", p.ball_count);
+            faults.inconsistent_item(NUMBER, &[index], reason);
         }
         let deviation = surface.diameter_deviation;
         if deviation.abs() > most {
-            let reason = format!("{} µm of item {index}: {limit}, more or less", 1e6 * deviation);
-            faults.inconsistent("surfaces.balls", reason);
+            let reason = format!("{} µm: {limit}, more or less", 1e6 * deviation);
+            faults.inconsistent_item(DEVIATION, &[index], reason);
         }
         let is_other = |of: usize| {
             surface.defects[..of].iter().position(|other| surface.defects[of].overlaps(other, p.ball_diameter))
@@ -160,7 +163,7 @@ pub(super) fn check_fit(balls: &[GivenBall], every: &EveryBall, bearing: &Bearin
         if let Some((other, of)) = (0..surface.defects.len()).find_map(|of| Some((is_other(of)?, of))) {
             let reason =
                 format!("the outlines of defects {other} and {of} of ball {ball} overlap: give them as one defect");
-            faults.inconsistent("surfaces.balls", reason);
+            faults.inconsistent_item("surfaces.balls.defects", &[index, of], reason);
         }
     }
     if every.diameter_spread > most {
@@ -175,10 +178,11 @@ pub(super) fn check_pockets(balls: &[GivenBall], surfaces: &[BallSurface], clear
         if *diameter_deviation >= clearance {
             let (ball, by, clearance) = (index + 1, 1e6 * diameter_deviation, 1e6 * clearance);
             let reason = format!("ball {ball} is {by:.4} µm larger than nominal, its pocket leaves {clearance:.4} µm");
-            let is_given =
-                balls.iter().any(|given| given.ball as usize == ball && given.surface.diameter_deviation > 0.0);
-            faults
-                .inconsistent(if is_given { "surfaces.balls" } else { "surfaces.every_ball.diameter_spread" }, reason);
+            let is_larger = |given: &GivenBall| given.ball as usize == ball && given.surface.diameter_deviation > 0.0;
+            match balls.iter().position(is_larger) {
+                Some(item) => faults.inconsistent_item(DEVIATION, &[item], reason),
+                None => faults.inconsistent("surfaces.every_ball.diameter_spread", reason),
+            }
         }
     }
 }

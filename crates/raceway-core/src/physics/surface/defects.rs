@@ -103,12 +103,23 @@ impl Recess {
 
     /// Returns true where the ball reaches the floor.
     pub fn is_bottomed(&self) -> bool {
-        self.edge_drop() > self.defect.depth
+        self.edge_drop() > self.defect.depth && self.ground() == self.defect.depth
     }
 
-    /// Distance from an edge at which the ball reaches a floor of full depth, √(2 depth/ρ_x) [m].
+    /// Returns true where a ball comes to roll between the edges, on the floor or on the ground beside a narrow defect.
+    fn is_carried_between_edges(&self) -> bool {
+        self.edge_drop() > self.ground()
+    }
+
+    /// Fall at which something else than the edges carries the ball: the depth, or less where the defect is so narrow that the ground beside
+    /// it does [m].
+    fn ground(&self) -> f64 {
+        self.across().map_or(f64::INFINITY, |across| across.largest_fall(0.0)).min(self.defect.depth)
+    }
+
+    /// Distance from an edge at which the ball reaches this ground, √(2 depth/ρ_x) [m].
     pub fn floor_distance(&self) -> f64 {
-        (2.0 * self.defect.depth / self.contact.curvature).sqrt()
+        (2.0 * self.ground() / self.contact.curvature).sqrt()
     }
 
     /// Deepest fall of the ball on its path [m].
@@ -116,21 +127,19 @@ impl Recess {
         -self.height(0.0, 0.0)
     }
 
-    /// Time between the middle and the impacts beside it [s], where the ball meets the floor and leaves it; 0 if it stays on the edges, with
-    /// one impact in the middle. Infinite or not a number at rest.
+    /// Time between the middle and the impacts beside it [s], where the ball meets the floor, or the ground beside a narrow defect, and leaves
+    /// it; 0 if it stays on the edges, with one impact in the middle. Infinite or not a number at rest.
     pub fn impact_beside_middle(&self) -> f64 {
         let PassingContact { half_width, speed, .. } = self.contact;
-        match self.is_bottomed() {
+        match self.is_carried_between_edges() {
             true => larger(0.5 * self.defect.length + EDGE_REACH * half_width - self.floor_distance(), 0.0) / speed,
             false => 0.0,
         }
     }
 
-    /// Time from the entry to the last impact [s]; infinite at rest.
+    /// Time from the entry, where the middle of the contact passes the first edge, to the last impact [s]; infinite at rest.
     pub fn entry_to_impact(&self) -> f64 {
-        let length = self.defect.length;
-        let rolled = if self.is_bottomed() { length - self.floor_distance() } else { 0.5 * length };
-        rolled / self.contact.speed
+        0.5 * self.defect.length / self.contact.speed + self.impact_beside_middle()
     }
 
     /// Longest step that resolves the path at the largest speed [s]; infinite at rest.
@@ -305,6 +314,14 @@ pub(super) struct Across {
 }
 
 impl Across {
+    /// Fall at which the ground beside the defect carries a ball at a place across the groove, whatever the depth: W/S [m].
+    fn largest_fall(&self, place: f64) -> f64 {
+        // min₄(S y, W) is W for a huge y and rises by S from y = 0 on.
+        let (carried, ..) = self.limited(1.0, place);
+        let (_, share, _) = self.limited(f64::MIN_POSITIVE, place);
+        if share > 0.0 { carried / share } else { 0.0 }
+    }
+
     /// The fall of a ball that is limited by the ground beside the defect, min₄(S y, W) [m], and its slopes by y [-] and by the place
     /// across the groove [m/m].
     pub(super) fn limited(&self, fall: f64, place: f64) -> (f64, f64, f64) {

@@ -193,8 +193,8 @@ impl SurfaceParameters {
         let (centre, curvature) = (&bearing.groove_centre_radius, &p.groove_curvature);
         let inner = centre.inner - curvature.inner * p.ball_diameter;
         let outer = centre.outer + curvature.outer * p.ball_diameter;
-        self.raceway.inner.check_fit(inner, p.ball_diameter, NAMES.inner.defects, faults);
-        self.raceway.outer.check_fit(outer, p.ball_diameter, NAMES.outer.defects, faults);
+        self.raceway.inner.check_fit(inner, p.ball_diameter, &NAMES.inner, faults);
+        self.raceway.outer.check_fit(outer, p.ball_diameter, &NAMES.outer, faults);
         ball::check_fit(&self.balls, &self.every_ball, bearing, faults);
     }
 
@@ -241,24 +241,23 @@ impl RacewaySurface {
     }
 
     /// `radius`: of the groove's bottom [m].
-    fn check_fit(&self, radius: f64, ball_diameter: f64, name: &'static str, faults: &mut Faults) {
+    fn check_fit(&self, radius: f64, ball_diameter: f64, names: &Names, faults: &mut Faults) {
         for (index, defect) in self.defects.iter().enumerate() {
             if defect.length >= TAU * radius {
                 let (length, turn) = (1e3 * defect.length, 1e3 * TAU * radius);
-                let reason = format!("{length:.4} mm of item {index} are no less than the raceway's {turn:.4} mm");
-                faults.inconsistent(name, reason);
+                let reason = format!("{length:.4} mm: must be below {turn:.4} mm, the length of the raceway");
+                faults.inconsistent_item(names.defect[1], &[index], reason);
             }
             if let Some(width) = defect.width.filter(|width| defect.across.abs() - 0.5 * width >= 0.5 * ball_diameter) {
                 let (across, width, most) = (1e3 * defect.across, 1e3 * width, 5e2 * ball_diameter);
-                let reason = format!(
-                    "item {index} lies {across} mm across and is {width} mm wide: no ball touches the groove beyond {most:.4} mm"
-                );
-                faults.inconsistent(name, reason);
+                let reason =
+                    format!("{across} mm with a width of {width} mm: no ball touches the groove beyond {most:.4} mm");
+                faults.inconsistent_item(names.defect[4], &[index], reason);
             }
             let is_other = |(_, other): &(usize, &Defect)| defect.overlaps(other, radius);
             if let Some((other, _)) = self.defects.iter().enumerate().take(index).find(is_other) {
                 let reason = format!("the outlines of items {other} and {index} overlap: give them as one defect");
-                faults.inconsistent(name, reason);
+                faults.inconsistent_item(names.defects, &[index], reason);
             }
         }
     }
@@ -335,6 +334,8 @@ pub struct SortedWaves {
     pub kept: Vec<KeptWave>,
     /// In the order of the waves.
     pub left_out: Vec<(u32, Omission)>,
+    /// Mean square of the heights that averaging removes from all waves [m²]: what is short beside the contact.
+    pub removed_square: f64,
 }
 
 /// Highest order over that of the first zero of the averaging [-]: beyond, less than 0.11 of a wave is left.
@@ -381,13 +382,11 @@ impl AveragingContact {
     pub(crate) fn sorted_waves(&self, waves: impl Iterator<Item = Wave>) -> SortedWaves {
         let mut sorted = SortedWaves::default();
         for wave in waves {
+            let share = self.share(wave.order);
+            sorted.removed_square += 0.5 * wave.amplitude * wave.amplitude * (1.0 - share * share);
             match self.omission(wave.order) {
                 Some(omission) => sorted.left_out.push((wave.order, omission)),
-                None => sorted.kept.push(KeptWave {
-                    wave,
-                    share: self.share(wave.order),
-                    frequency: f64::from(wave.order) * self.turns,
-                }),
+                None => sorted.kept.push(KeptWave { wave, share, frequency: f64::from(wave.order) * self.turns }),
             }
         }
         sorted

@@ -169,12 +169,31 @@ pub enum Warning {
     CageTransient { settle: f64, required: f64 },
     /// Cage and balls may still begin to tilt; a settling time [s] that is enough.
     TiltTransient { settle: f64, required: f64 },
+    /// The band of the envelope leaves out the resonance that a defect excites most; this band would hold it [Hz].
+    MissedResonance { resonance: f64, band: (f64, f64), advised: (f64, f64) },
+    /// A ball cannot follow the troughs of waves; the most curved one has an amplitude above the largest that it follows [m].
+    BridgedTroughs { part: SurfacePart, order: u32, amplitude: f64, largest: f64 },
+    /// Heights within the contact on a raceway, rms, exceed the minimum film [m].
+    RoughContact { part: SurfacePart, roughness: f64, film: f64 },
+    /// The contacts of a ball run at a latitude of it [rad]: waves above this order lose more than a warned error there.
+    TrackOffEquator { ball: usize, latitude: f64, order: u32 },
+    /// Spectra over a window [s] do not separate lines that differ by the cage speed [Hz]. A window is at most `longest` [s].
+    MergedCageLines { cage: f64, window: f64, required: f64, longest: f64 },
+}
+
+/// A rolling surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SurfacePart {
+    Inner,
+    Outer,
+    /// Number of the ball, from 1.
+    Ball(usize),
 }
 
 impl Warning {
     /// True if it is no reason to doubt a number.
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::LaterWindowFailed(_) | Self::StationarityNotChecked { .. })
+        matches!(self, Self::LaterWindowFailed(_) | Self::StationarityNotChecked { .. } | Self::MissedResonance { .. })
     }
 }
 

@@ -26,6 +26,8 @@ pub enum BallContact {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Channel {
     Spindle(Axis, Motion),
+    /// Tilt about Y or the new Z.
+    SpindleTilt(Axis),
     CageDisplacement(Axis),
     CageSpeed,
     BallSpin(usize),
@@ -45,6 +47,10 @@ impl Channel {
     pub fn parse(name: &str, ball_count: usize) -> Option<Self> {
         let mut parts = name.split('.');
         let channel = match (parts.next()?, parts.next()?, parts.next()) {
+            ("spindle", "tilt", Some(axis)) => match parse_axis(axis)? {
+                Axis::X => return None,
+                axis => Self::SpindleTilt(axis),
+            },
             ("spindle", axis, Some(motion)) => {
                 let motion = match motion {
                     "displacement" => Motion::Displacement,
@@ -79,6 +85,7 @@ impl Channel {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Spindle(_, Motion::Displacement) | Self::CageDisplacement(_) => "µm",
+            Self::SpindleTilt(_) => "mrad",
             Self::Spindle(_, Motion::Velocity) => "mm/s",
             Self::Spindle(_, Motion::Acceleration) => "m/s²",
             Self::CageSpeed | Self::BallSpin(_) => "Hz",
@@ -90,7 +97,7 @@ impl Channel {
     pub fn scale(self) -> f64 {
         match self {
             Self::Spindle(_, Motion::Displacement) | Self::CageDisplacement(_) => 1e6,
-            Self::Spindle(_, Motion::Velocity) => 1e3,
+            Self::Spindle(_, Motion::Velocity) | Self::SpindleTilt(_) => 1e3,
             Self::Spindle(_, Motion::Acceleration) | Self::BallLoad(..) => 1.0,
             Self::CageSpeed | Self::BallSpin(_) => 0.5 / std::f64::consts::PI,
         }
@@ -122,6 +129,7 @@ impl std::fmt::Display for Channel {
             Self::Spindle(axis, Motion::Displacement) => write!(f, "spindle.{axis}.displacement"),
             Self::Spindle(axis, Motion::Velocity) => write!(f, "spindle.{axis}.velocity"),
             Self::Spindle(axis, Motion::Acceleration) => write!(f, "spindle.{axis}.acceleration"),
+            Self::SpindleTilt(axis) => write!(f, "spindle.tilt.{axis}"),
             Self::CageDisplacement(axis) => write!(f, "cage.{axis}.displacement"),
             Self::CageSpeed => write!(f, "cage.speed"),
             Self::BallSpin(ball) => write!(f, "ball.{}.spin", ball + 1),
@@ -147,6 +155,7 @@ mod tests {
             "spindle.x.displacement",
             "spindle.y.velocity",
             "spindle.z.acceleration",
+            "spindle.tilt.y",
             "cage.y.displacement",
             "cage.speed",
             "ball.1.spin",
@@ -161,6 +170,7 @@ mod tests {
             "spindle",
             "spindle.y",
             "spindle.w.velocity",
+            "spindle.tilt.x",
             "ball.0.spin",
             "ball.8.spin",
             "ball.01.spin",

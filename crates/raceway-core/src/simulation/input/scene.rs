@@ -11,7 +11,7 @@ use crate::physics::limits::Faults;
 use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::presets::{self, BearingPreset};
-use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
+use crate::physics::spindle::{AxialHold, Spindle, SpindleTilt, Unbalance};
 use crate::physics::surface::waviness::{SurfaceParameters, Surfaces};
 
 /// Choice of the request for one term of the equations.
@@ -145,6 +145,9 @@ impl Scene {
                 format!("an axial load of {load} N acts only on a spindle whose axial direction is free"),
             );
         }
+        if p.spindle.tilt != SpindleTilt::Held && p.operation.misalignment != [0.0; 2] {
+            faults.inconsistent("spindle.tilt", "a spindle that tilts freely takes no imposed misalignment".to_owned());
+        }
         let is_even = p.pocket_deviations.iter().all(|&deviation| deviation == 0.0);
         faults.of(bearing, |bearing| Self {
             surfaces: p.surfaces.of_balls(bearing.parameters.ball_count),
@@ -172,6 +175,7 @@ impl Scene {
                 mass: defaults.spindle_mass,
                 unbalance: Unbalance::None,
                 axial: if load[0] == 0.0 { AxialHold::Fixed } else { AxialHold::Free },
+                tilt: SpindleTilt::Held,
             },
             operation: Operation {
                 speed: SpeedProfile::constant(speed)?,

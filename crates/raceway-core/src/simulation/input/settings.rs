@@ -1,6 +1,7 @@
 //! Settings of a run and its requested outputs.
 
 use crate::numerics::ode::Method;
+use crate::numerics::spectrum::EnvelopeKind;
 use crate::physics::kinematics::ideal_frequencies;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
@@ -21,6 +22,9 @@ pub struct Outputs {
     pub series: Vec<Channel>,
     /// Frequency band whose envelope is analysed [Hz].
     pub envelope_band: (f64, f64),
+    pub envelope: EnvelopeKind,
+    /// Whether the envelopes of the accelerations are read at the rates of defects.
+    pub envelope_harmonics: bool,
     /// Longest window of spectra and statistics [s].
     pub longest_window: f64,
 }
@@ -51,6 +55,8 @@ impl Outputs {
             spectra: Vec::new(),
             series: Vec::new(),
             envelope_band: ENVELOPE_BAND,
+            envelope: EnvelopeKind::Magnitude,
+            envelope_harmonics: false,
             longest_window: LONGEST_WINDOW,
         }
     }
@@ -58,6 +64,16 @@ impl Outputs {
     /// Returns whether an output depends on the vibration levels of the spindle.
     pub(crate) fn include_levels(&self) -> bool {
         self.vibration || self.spectra.iter().any(|channel| matches!(channel, Channel::Spindle(..)))
+    }
+
+    /// Returns whether any spectrum is computed.
+    pub(crate) fn have_spectra(&self) -> bool {
+        self.envelope_harmonics || !self.spectra.is_empty()
+    }
+
+    /// The same metrics of the motion, without spectra and series.
+    pub(crate) fn without_signals(&self) -> Self {
+        Self { spectra: Vec::new(), series: Vec::new(), envelope_harmonics: false, ..self.clone() }
     }
 
     /// Returns whether any signal is kept. The data of plots are kept together with signals.

@@ -3,7 +3,7 @@
 
 mod search;
 
-pub use search::{Equilibrium, equilibrium};
+pub use search::{Equilibrium, equilibrium, spindle_stiffness};
 
 use crate::physics::operation::InitialPerturbation;
 use crate::physics::raceway::RacewayContact;
@@ -39,7 +39,8 @@ pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {
         layout.set_ball(&mut state, ball, &BallState { axial, radial, ..BallState::default() });
     }
-    layout.set_spindle(&mut state, &SpindleState { position: rest.spindle, velocity: [0.0; 3] });
+    layout
+        .set_spindle(&mut state, &SpindleState { position: rest.spindle, tilt: rest.tilt, ..SpindleState::default() });
     if let Some(perturbation) = mechanism.perturbation {
         perturb(&layout, &mut state, perturbation);
     }

@@ -14,7 +14,7 @@ pub(crate) const MAX_EVALUATIONS: f64 = 3e10;
 /// Displacement of a spindle that no ball can hold any more.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
-    /// "radially" or "axially".
+    /// "radially", "axially", or at the pitch circle by a tilt.
     pub direction: &'static str,
     /// From the centre of the outer ring [m].
     pub displacement: f64,

@@ -34,6 +34,8 @@ pub enum Inapplicable {
     SpindleOffCentre,
     #[error("the spindle is misaligned")]
     Misaligned,
+    #[error("the spindle tilts (spindle.tilt is free)")]
+    SpindleTilts,
     #[error("a defect lies beside the groove's bottom (across_mm) and pushes balls along X")]
     DefectBesideBottom,
     #[error("waves of a groove along the axis (axial_waviness) push balls along X")]

@@ -147,7 +147,10 @@ pub(crate) fn integrate(
 /// last step; the error states the time by bisection.
 fn check_departure(model: &Model, integrator: &dyn Integrator) -> Result<(), SimulationError> {
     let m = model.mechanism();
-    let of = |state: &[f64]| m.departure(m.layout.spindle(state).position);
+    let of = |state: &[f64]| {
+        let spindle = m.layout.spindle(state);
+        m.departure(spindle.position, spindle.tilt)
+    };
     let Some(mut departure) = of(integrator.state()) else { return Ok(()) };
     let (mut before, mut time) = (integrator.previous_time(), integrator.time());
     let mut state = vec![0.0; m.layout.dimension()];

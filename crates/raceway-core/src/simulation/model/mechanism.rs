@@ -12,7 +12,7 @@ use crate::physics::neighbour::NeighbourContact;
 use crate::physics::operation::{InitialPerturbation, SpeedProfile};
 use crate::physics::pocket::Pocket;
 use crate::physics::raceway::RacewayContact;
-use crate::physics::spindle::AxialHold;
+use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
 use crate::physics::surface::ball::BallSurface;
 use crate::physics::surface::defects::DefectReach;
 use crate::simulation::input::model_level::ModelLevel;
@@ -67,6 +67,8 @@ pub struct Mechanism {
     pub drag: Option<Drag>,
     pub churning: Option<Drag>,
     pub spindle_mass: f64,
+    /// Moments of inertia of a spindle that tilts.
+    pub spindle_inertia: Option<SpindleInertia>,
     /// Largest displacement at which a ball may hold the spindle [m].
     pub(crate) play: SpindlePlay,
     /// Axial displacement at which the spindle is held [m].
@@ -134,7 +136,8 @@ impl StartAzimuths {
 impl Mechanism {
     /// Returns whether contact angles differ from 0: the spindle moves along X, is offset there, or is tilted.
     pub(crate) fn has_axial_motion_or_tilt(&self) -> bool {
-        self.layout.axial_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
+        let Layout { axial_spindle, tilting_spindle, .. } = self.layout;
+        axial_spindle || tilting_spindle || self.axial_offset != 0.0 || self.misalignment != [0.0; 2]
     }
 
     /// Returns true where a raceway or a ball has a defect.
@@ -143,12 +146,16 @@ impl Mechanism {
     }
 
     /// How far the spindle is from the centre of the outer ring where no ball can hold it any more; `None`: a ball may hold it.
-    pub(crate) fn departure(&self, [x, y, z]: Vector) -> Option<Departure> {
+    pub(crate) fn departure(&self, [x, y, z]: Vector, [about_y, about_z]: [f64; 2]) -> Option<Departure> {
         let (radial, axial) = ((y * y + z * z).sqrt(), (x + self.axial_offset).abs());
+        let tilted = self.pitch_radius * about_y.hypot(about_z);
         if radial > self.play.radial {
             Some(Departure { direction: "radially", displacement: radial, limit: self.play.radial })
         } else if axial > self.play.axial {
             Some(Departure { direction: "axially", displacement: axial, limit: self.play.axial })
+        } else if tilted > self.play.axial {
+            let direction = "at the pitch circle, because it tilts,";
+            Some(Departure { direction, displacement: tilted, limit: self.play.axial })
         } else {
             None
         }
@@ -167,6 +174,10 @@ impl Mechanism {
     /// The constants of a scene with its active terms, on raceways that are ideal circles.
     pub fn new(scene: &Scene, needs: &ActiveTerms) -> Self {
         let bearing = &scene.bearing;
+        let spindle_inertia = match scene.spindle.tilt {
+            SpindleTilt::Free(inertia) => Some(inertia),
+            SpindleTilt::Held => None,
+        };
         let operating_speed = scene.operating_speed();
         let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
         let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
@@ -188,6 +199,7 @@ impl Mechanism {
                 planar: needs.rung == ModelLevel::Planar,
                 cage: needs.cage,
                 axial_spindle: needs.axial_spindle,
+                tilting_spindle: spindle_inertia.is_some(),
                 attitude: false,
             },
             speed: scene.operation.speed.clone(),
@@ -215,6 +227,7 @@ impl Mechanism {
             drag: needs.drag.then_some(drag),
             churning: needs.churning.then_some(drag),
             spindle_mass: scene.spindle.mass,
+            spindle_inertia,
             play: bearing.largest_displacement(),
             axial_offset: match scene.spindle.axial {
                 AxialHold::Offset(offset) => offset,

@@ -137,11 +137,14 @@ impl CageState {
     }
 }
 
-/// Displacement and velocity of the spindle, or their rates.
+/// Displacement, tilt and velocities of the spindle, or their rates.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SpindleState {
     pub position: Vector,
     pub velocity: Vector,
+    /// Tilt about Y and about the new Z [rad], and its rates [rad/s].
+    pub tilt: [f64; 2],
+    pub tilt_rate: [f64; 2],
 }
 
 /// Layout of a state: its bodies and their degrees of freedom.
@@ -153,6 +156,8 @@ pub struct Layout {
     pub cage: bool,
     /// The spindle moves along X.
     pub axial_spindle: bool,
+    /// The spindle tilts.
+    pub tilting_spindle: bool,
     /// Balls have an attitude, because the surface of one is not that of a sphere.
     pub attitude: bool,
 }
@@ -211,18 +216,26 @@ const CAGE_NAMES: [(&str, f64); 12] = [
     ("tilt rate about z", size::TILT_RATE),
 ];
 const PLANAR_CAGE: [usize; 6] = [1, 2, 3, 7, 8, 9];
-const SPINDLE_NAMES: [(&str, f64); 6] = [
-    ("x position", size::POSITION),
-    ("y position", size::POSITION),
-    ("z position", size::POSITION),
-    ("x velocity", size::VELOCITY),
-    ("y velocity", size::VELOCITY),
-    ("z velocity", size::VELOCITY),
+/// Positions, then velocities.
+const SPINDLE_NAMES: [[(&str, f64); 5]; 2] = [
+    [
+        ("x position", size::POSITION),
+        ("y position", size::POSITION),
+        ("z position", size::POSITION),
+        ("tilt about y", size::TILT),
+        ("tilt about z", size::TILT),
+    ],
+    [
+        ("x velocity", size::VELOCITY),
+        ("y velocity", size::VELOCITY),
+        ("z velocity", size::VELOCITY),
+        ("tilt rate about y", size::TILT_RATE),
+        ("tilt rate about z", size::TILT_RATE),
+    ],
 ];
-const RADIAL_SPINDLE: [usize; 4] = [1, 2, 4, 5];
 
 /// Largest number of entries of cage and spindle.
-pub(crate) const MAX_BORDER: usize = 18;
+pub(crate) const MAX_BORDER: usize = 22;
 
 impl Layout {
     /// Number of entries of a ball's motion.
@@ -257,7 +270,17 @@ impl Layout {
     }
 
     fn spindle_size(&self) -> usize {
-        if self.axial_spindle { 6 } else { 4 }
+        2 * self.freedoms().len()
+    }
+
+    /// Freedoms of the spindle: x, y, z, tilt about Y, tilt about Z.
+    pub(crate) fn freedoms(&self) -> &'static [usize] {
+        match (self.axial_spindle, self.tilting_spindle) {
+            (false, false) => &[1, 2],
+            (true, false) => &[0, 1, 2],
+            (false, true) => &[1, 2, 3, 4],
+            (true, true) => &[0, 1, 2, 3, 4],
+        }
     }
 
     /// Layout of cage and spindle alone.
@@ -394,12 +417,25 @@ impl Layout {
     #[inline(always)]
     pub fn spindle(&self, y: &[f64]) -> SpindleState {
         let at = self.balls * self.ball_size() + self.cage_size();
-        if self.axial_spindle {
-            let [x, sy, z, vx, vy, vz] = block(y, at);
-            SpindleState { position: [x, sy, z], velocity: [vx, vy, vz] }
-        } else {
-            let [sy, z, vy, vz] = block(y, at);
-            SpindleState { position: [0.0, sy, z], velocity: [0.0, vy, vz] }
+        let still = SpindleState::default();
+        match (self.axial_spindle, self.tilting_spindle) {
+            (true, false) => {
+                let [x, sy, z, vx, vy, vz] = block(y, at);
+                SpindleState { position: [x, sy, z], velocity: [vx, vy, vz], ..still }
+            }
+            (false, false) => {
+                let [sy, z, vy, vz] = block(y, at);
+                SpindleState { position: [0.0, sy, z], velocity: [0.0, vy, vz], ..still }
+            }
+            (true, true) => {
+                let [x, sy, z, ty, tz, vx, vy, vz, ry, rz] = block(y, at);
+                SpindleState { position: [x, sy, z], velocity: [vx, vy, vz], tilt: [ty, tz], tilt_rate: [ry, rz] }
+            }
+            (false, true) => {
+                let [sy, z, ty, tz, vy, vz, ry, rz] = block(y, at);
+                let (position, velocity) = ([0.0, sy, z], [0.0, vy, vz]);
+                SpindleState { position, velocity, tilt: [ty, tz], tilt_rate: [ry, rz] }
+            }
         }
     }
 
@@ -407,10 +443,12 @@ impl Layout {
     pub fn set_spindle(&self, y: &mut [f64], s: &SpindleState) {
         let at = self.balls * self.ball_size() + self.cage_size();
         let ([x, sy, z], [vx, vy, vz]) = (s.position, s.velocity);
-        if self.axial_spindle {
-            set_block(y, at, [x, sy, z, vx, vy, vz]);
-        } else {
-            set_block(y, at, [sy, z, vy, vz]);
+        let ([ty, tz], [ry, rz]) = (s.tilt, s.tilt_rate);
+        match (self.axial_spindle, self.tilting_spindle) {
+            (true, false) => set_block(y, at, [x, sy, z, vx, vy, vz]),
+            (false, false) => set_block(y, at, [sy, z, vy, vz]),
+            (true, true) => set_block(y, at, [x, sy, z, ty, tz, vx, vy, vz, ry, rz]),
+            (false, true) => set_block(y, at, [sy, z, ty, tz, vy, vz, ry, rz]),
         }
     }
 
@@ -440,7 +478,8 @@ impl Layout {
             ball.extend(pick(&ATTITUDE_NAMES, &PLANAR_ATTITUDE, !self.planar));
         }
         let cage = if self.cage { pick(&CAGE_NAMES, &PLANAR_CAGE, !self.planar) } else { Vec::new() };
-        let spindle = pick(&SPINDLE_NAMES, &RADIAL_SPINDLE, self.axial_spindle);
+        let spindle: Vec<(&str, f64)> =
+            SPINDLE_NAMES.iter().flat_map(|half| self.freedoms().iter().map(|&freedom| half[freedom])).collect();
         let balls = (1..=self.balls)
             .flat_map(move |n| ball.clone().into_iter().map(move |(name, size)| (format!("{name} of ball {n}"), size)));
         balls
@@ -488,14 +527,16 @@ mod tests {
 
     #[test]
     fn written_states_are_read_back_and_named() {
-        for (planar, axial_spindle, attitude, dimension) in [
-            (false, false, false, 79),
-            (false, true, false, 81),
-            (true, false, false, 45),
-            (false, true, true, 109),
-            (true, false, true, 52),
+        for (planar, axial_spindle, tilting_spindle, attitude, dimension) in [
+            (false, false, false, false, 79),
+            (false, true, false, false, 81),
+            (true, false, false, false, 45),
+            (false, true, false, true, 109),
+            (true, false, false, true, 52),
+            (false, false, true, false, 83),
+            (false, true, true, true, 113),
         ] {
-            let layout = Layout { balls: 7, planar, cage: true, axial_spindle, attitude };
+            let layout = Layout { balls: 7, planar, cage: true, axial_spindle, tilting_spindle, attitude };
             assert_eq!(layout.dimension(), dimension);
             assert_eq!(layout.sizes().len(), dimension);
             let y: Vec<f64> = (0..dimension).map(|i| i as f64 + 1.0).collect();
@@ -508,7 +549,14 @@ mod tests {
             layout.set_spindle(&mut copy, &layout.spindle(&y));
             assert_eq!(copy, y);
         }
-        let layout = Layout { balls: 7, planar: false, cage: true, axial_spindle: false, attitude: false };
+        let layout = Layout {
+            balls: 7,
+            planar: false,
+            cage: true,
+            axial_spindle: false,
+            tilting_spindle: false,
+            attitude: false,
+        };
         assert_eq!(layout.name(9 * 2 + 4), "radial velocity of ball 3");
         assert_eq!(layout.name(78), "z velocity of the spindle");
         assert_eq!(layout.name(63 + 4), "tilt about y of the cage");

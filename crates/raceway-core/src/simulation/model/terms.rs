@@ -8,7 +8,7 @@ use crate::physics::kinematics;
 use crate::physics::lubricant::LubricantKind;
 use crate::physics::pocket::PocketTerms;
 use crate::physics::raceway::{RacewayTerms, nominal_rolling_friction};
-use crate::physics::spindle::{AxialHold, Unbalance};
+use crate::physics::spindle::{AxialHold, SpindleTilt, Unbalance};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
@@ -208,6 +208,8 @@ impl Decision<'_> {
             Some(Inapplicable::SpindleOffCentre)
         } else if scene.operation.misalignment != [0.0; 2] {
             Some(Inapplicable::Misaligned)
+        } else if scene.spindle.tilt != SpindleTilt::Held {
+            Some(Inapplicable::SpindleTilts)
         } else if scene.surfaces.push_along_axis() {
             Some(Inapplicable::DefectBesideBottom)
         } else if scene.surfaces.have_axial_waves() {

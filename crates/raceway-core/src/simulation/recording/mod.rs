@@ -18,6 +18,8 @@ pub mod off_raceway;
 
 pub mod defect_passages;
 
+pub mod ball_tracks;
+
 pub mod record;
 
 pub mod plot_data;

@@ -4,6 +4,7 @@ use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::recording::ball_tracks::BallTrack;
 use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::off_raceway::OffShare;
@@ -79,6 +80,8 @@ pub struct Recording {
     pub loaded_orbit_ratio: Option<f64>,
     /// Mean spin of a ball about its own axis in the orbit frame [rad/s].
     pub ball_spin: f64,
+    /// How each ball rolls, where one is no sphere and the model knows; else empty.
+    pub tracks: Vec<BallTrack>,
     /// Scalar results of consecutive parts of the recorded time.
     pub parts: Vec<Quantities>,
     /// Loads of the first ball over its azimuth, where contacts are requested.

@@ -1,10 +1,10 @@
 //! Spectra of one recorded channel.
 
-use crate::numerics::spectrum::{Spectrum, amplitude_and_envelope};
+use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::recording::sampling::RATE;
 
-/// Spectra of one channel, in the channel's unit.
+/// Spectra of one channel, in the channel's unit; of a squared envelope, in its square.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelSpectra {
     pub channel: Channel,
@@ -14,9 +14,9 @@ pub struct ChannelSpectra {
 
 impl ChannelSpectra {
     /// Spectra of a signal [SI], and of its envelope in a band [Hz].
-    pub fn of(channel: Channel, signal: &[f64], envelope_band: (f64, f64)) -> Self {
+    pub fn of(channel: Channel, signal: &[f64], envelope_band: (f64, f64), kind: EnvelopeKind) -> Self {
         let signal: Vec<f64> = signal.iter().map(|value| channel.scale() * value).collect();
-        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, envelope_band);
+        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, envelope_band, kind);
         Self { channel, amplitude, envelope }
     }
 

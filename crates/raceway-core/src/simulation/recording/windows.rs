@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 use crate::numerics::lanes::{LANES, Lanes, larger};
-use crate::numerics::spectrum::filtered;
+use crate::numerics::spectrum::{EnvelopeKind, filtered};
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
@@ -119,6 +119,7 @@ pub struct Signal {
     asked_for_spectra: bool,
     /// [Hz]
     envelope_band: (f64, f64),
+    envelope: EnvelopeKind,
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
@@ -126,7 +127,8 @@ pub struct Signal {
 impl Signal {
     fn new(channel: Channel, outputs: &Outputs, values: usize) -> Self {
         let windows = Windows::of(values, outputs.longest_window);
-        let asked_for_spectra = outputs.spectra.contains(&channel);
+        let has_harmonics = outputs.envelope_harmonics && ACCELERATIONS.contains(&channel);
+        let asked_for_spectra = has_harmonics || outputs.spectra.contains(&channel);
         let has_windows = windows.count == 1 || asked_for_spectra || is_evaluated(channel);
         Self {
             channel,
@@ -143,6 +145,7 @@ impl Signal {
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra,
             envelope_band: outputs.envelope_band,
+            envelope: outputs.envelope,
             first: (windows.count > 1 && outputs.keep_signals() && is_plotted(channel)).then(Vec::new),
         }
     }
@@ -173,8 +176,9 @@ impl Signal {
     /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
-        self.asked_for_spectra
-            .then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band)))
+        self.asked_for_spectra.then(|| {
+            self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band, self.envelope))
+        })
     }
 
     /// Adds the current window to the statistics of the run, and empties it.
@@ -193,7 +197,7 @@ impl Signal {
             join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
         }
         if self.asked_for_spectra {
-            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band);
+            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band, self.envelope);
             join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
         if ACCELERATIONS.contains(&self.channel) {
@@ -460,7 +464,8 @@ mod tests {
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
         assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
         assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band));
+        let (spectra, at_once) =
+            (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band, outputs.envelope));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;

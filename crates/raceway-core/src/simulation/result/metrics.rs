@@ -7,6 +7,7 @@ use crate::numerics::spectrum::{HANN_BANDWIDTH, Spectrum};
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
+use crate::physics::surface::ball::BallSurface;
 use crate::simulation::error::codes::{NotEligible, Rejection};
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::channel::{Channel, Motion};
@@ -14,12 +15,14 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
+use crate::simulation::model::contact_resonance::ContactResonance;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
 use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::{InBand, Whirl};
+use crate::simulation::result::envelope_harmonics::EnvelopeHarmonics;
 use crate::simulation::result::lines::{Line, LineSources, find_lines};
 use crate::simulation::result::series::Series;
 
@@ -123,6 +126,10 @@ pub struct Summary {
     pub lines: Vec<(Channel, Line)>,
     /// Lines of the envelopes of accelerations, likewise.
     pub envelope_lines: Vec<(Channel, Line)>,
+    /// Of accelerations, where surfaces are not ideal.
+    pub envelope_harmonics: Vec<(Channel, EnvelopeHarmonics)>,
+    /// Of the spindle on its contacts; empty on ideal raceways and equal balls.
+    pub resonances: Vec<ContactResonance>,
     pub solver: SolverReport,
     pub accuracy: AccuracyReport,
 }
@@ -224,6 +231,39 @@ pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFreque
     )
 }
 
+/// Frequencies of lines at the simulated speeds [Hz], with the spin of the balls that make lines: those with defects, else those with waves.
+fn line_frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
+    let (balls, tracks) = (&scene.surfaces.balls, &recording.tracks);
+    let mean_spin = |is_heard: &dyn Fn(&BallSurface) -> bool| {
+        let heard = balls.iter().zip(tracks).filter(|(ball, _)| is_heard(ball)).map(|(_, track)| track.spin);
+        let count = heard.clone().count();
+        (count > 0).then(|| heard.sum::<f64>() / count as f64)
+    };
+    let own = mean_spin(&BallSurface::has_defects).or_else(|| mean_spin(&|ball| !ball.is_sphere()));
+    let all = frequencies(scene, recording);
+    CharacteristicFrequencies { ball_spin: own.map_or(all.ball_spin, |spin| spin / std::f64::consts::TAU), ..all }
+}
+
+/// Amplitudes of the envelopes at the rates of defects, where they are computed; none where the speed varies, and of channels whose level is
+/// not resolved.
+pub(crate) fn envelope_harmonics(
+    scene: &Scene,
+    recording: &Recording,
+    settings: &RunSettings,
+    accuracy: &AccuracyReport,
+) -> Vec<(Channel, EnvelopeHarmonics)> {
+    if !settings.outputs.envelope_harmonics || !scene.operation.speed.is_constant() {
+        return Vec::new();
+    }
+    let at = line_frequencies(scene, recording);
+    let one = |channel: &Channel| {
+        let spectra = recording.of(*channel)?.spectra()?;
+        let harmonics = EnvelopeHarmonics::of(&spectra.envelope, &at)?;
+        accuracy.unresolved.of(*channel).is_none().then_some((*channel, harmonics))
+    };
+    ACCELERATIONS.iter().filter_map(one).collect()
+}
+
 /// Spectra of the asked-for channels, in their units.
 pub fn spectra(recording: &Recording, settings: &RunSettings) -> Vec<ChannelSpectra> {
     let one = |channel: &Channel| recording.of(*channel)?.spectra().cloned();
@@ -245,7 +285,6 @@ pub fn lines(
     recording: &Recording,
     spectra: &[ChannelSpectra],
     kind: Spectra,
-    frequencies: &CharacteristicFrequencies,
     accuracy: &AccuracyReport,
 ) -> Vec<(Channel, Line)> {
     if spectra.is_empty() {
@@ -254,7 +293,7 @@ pub fn lines(
     let is_constant = scene.operation.speed.is_constant();
     let turns = |whirl: Option<Whirl>| whirl.map_or(0.0, |whirl| whirl.rate().abs() / std::f64::consts::TAU);
     let sources = &LineSources {
-        frequencies: marked(scene, frequencies),
+        frequencies: marked(scene, &line_frequencies(scene, recording)),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
         inner_defect: scene.surfaces.raceway.inner.has_defects(),

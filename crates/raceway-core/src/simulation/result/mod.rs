@@ -4,6 +4,8 @@ pub mod series;
 
 pub mod lines;
 
+pub mod envelope_harmonics;
+
 pub mod metrics;
 
 pub mod run_result;

@@ -4,6 +4,7 @@ use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::Mechanism;
+use crate::simulation::model::contact_resonance::contact_resonances;
 use crate::simulation::model::terms::LeftOut;
 use crate::simulation::recording::plot_data::{Impact, PlotData};
 use crate::simulation::recording::record::Recording;
@@ -48,18 +49,22 @@ impl RunResult {
             true => (metrics::spectra(recording, settings), plot_data()),
             false => (Vec::new(), PlotData::default()),
         };
-        let frequencies = metrics::frequencies(scene, recording);
         let lines = |kind| match outputs.vibration {
-            true => metrics::lines(scene, recording, &spectra, kind, &frequencies, &accuracy),
+            true => metrics::lines(scene, recording, &spectra, kind, &accuracy),
             false => Vec::new(),
         };
         let summary = Summary {
             channels: channels(),
             contacts: outputs.contacts.then(|| metrics::contacts(mechanism, recording)),
             cage: if outputs.cage { metrics::cage(scene, recording) } else { None },
-            frequencies,
+            frequencies: metrics::frequencies(scene, recording),
             lines: lines(Spectra::Amplitude),
             envelope_lines: lines(Spectra::Envelope),
+            envelope_harmonics: metrics::envelope_harmonics(scene, recording, settings, &accuracy),
+            resonances: match outputs.vibration && !scene.surfaces.are_ideal() {
+                true => contact_resonances(mechanism, scene.operating_speed()),
+                false => Vec::new(),
+            },
             solver,
             accuracy,
         };

@@ -28,6 +28,7 @@ use crate::simulation::solve::eligibility::active_terms;
 use crate::simulation::solve::judge::large_errors;
 use crate::simulation::solve::plan::Candidate;
 use crate::simulation::solve::startup::{self, InitialState};
+use crate::simulation::solve::surface_warnings::{surface_warnings, track_off_equator};
 use crate::simulation::solve::verification::or_failure;
 use crate::simulation::solve::verify_planar::with_omitted_tilt;
 
@@ -91,6 +92,8 @@ pub(crate) fn assemble(
         strips: attempt.strips,
     };
     let mechanism = Mechanism::new(scene, &terms);
+    report.warnings.extend(surface_warnings(scene, &mechanism, settings));
+    report.warnings.extend(track_off_equator(scene, &mechanism, &attempt.recording.tracks));
     let account = Provenance { solver, accuracy: report, left_out };
     Ok(RunResult::new(scene, settings, &mechanism, &attempt.recording, account))
 }
@@ -134,8 +137,7 @@ fn later_window(
     control: &Control<'_>,
 ) -> Result<Recording, SimulationError> {
     let Problem { scene, settings, .. } = *problem;
-    let levels_only =
-        Outputs { contacts: false, cage: false, spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() };
+    let levels_only = Outputs { contacts: false, cage: false, ..settings.outputs.without_signals() };
     let later = RunSettings {
         settle: settings.settle + settings.duration + f64::max(GAP * settings.duration, REPEATED),
         duration: if many { BATCHES as f64 * settings.duration } else { settings.duration },

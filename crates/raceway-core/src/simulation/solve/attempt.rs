@@ -9,7 +9,7 @@ use crate::simulation::error::thresholds::MIN_WINDOW_S;
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::{STEPS_PER_LOOK, Span, Stepping, integrate};
 use crate::simulation::model::observer::Observer;
@@ -240,12 +240,7 @@ pub(crate) fn window_settings(scene: &Scene, settings: &RunSettings) -> RunSetti
         fixed_step: None,
         settle: settle.min(settings.settle),
         duration: window.min(settings.duration.max(MIN_WINDOW_S)),
-        outputs: without_signals(&settings.outputs),
+        outputs: settings.outputs.without_signals(),
         ..settings.clone()
     }
-}
-
-/// The same metrics without spectra and series.
-pub(crate) fn without_signals(outputs: &Outputs) -> Outputs {
-    Outputs { spectra: Vec::new(), series: Vec::new(), ..outputs.clone() }
 }

@@ -29,7 +29,7 @@ pub fn is_free(settings: &RunSettings) -> bool {
 /// True if fixed steps can be tried. Undamped contacts keep vibrating, and long steps would damp this vibration. Fast defects need steps
 /// so short that error control takes no longer.
 pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
-    is_free(settings) && model.mechanism().raceway.inner.is_damped() && first_step(model) >= SHORTEST
+    is_free(settings) && model.mechanism().raceway.inner.is_damped() && lengths(model).next().is_some()
 }
 
 /// The first step that is tried [s]. It resolves the waves of the raceways and the path over each defect.
@@ -39,9 +39,10 @@ pub fn first_step(model: &Model) -> f64 {
     step.min(mechanism.longest_wave_step()).min(mechanism.defect_step)
 }
 
-/// Steps for a start-up phase, the longest first.
+/// Steps that can be tried, the longest first. None of them is built for a spindle that tilts.
 pub(crate) fn lengths(model: &Model) -> impl Iterator<Item = f64> {
-    std::iter::successors(Some(first_step(model)), |step| Some(HALVED * step)).take_while(|step| *step >= SHORTEST)
+    let first = (!model.mechanism().layout.tilting_spindle).then(|| first_step(model));
+    std::iter::successors(first, |step| Some(HALVED * step)).take_while(|step| *step >= SHORTEST)
 }
 
 /// Next step after a step whose error exceeds the allowed one by a factor `excess` [s].

@@ -22,4 +22,6 @@ pub(crate) mod verify_reduced;
 
 pub mod judge;
 
+pub mod surface_warnings;
+
 pub mod assemble;

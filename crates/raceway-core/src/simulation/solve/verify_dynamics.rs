@@ -14,7 +14,7 @@ use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{PART, RATE, REPEATED, kept_values};
-use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run, without_signals};
+use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run};
 use crate::simulation::solve::eligibility::{longest_passage, representative_time, turn_of_unequal_balls};
 use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
 
@@ -198,7 +198,7 @@ impl Repetitions<'_> {
             duration: window,
             // The sampling follows the steps of the repetition, because peaks lie between the samples of longer steps.
             fixed_step: settings.fixed_step.map(|step| change.step * step),
-            outputs: without_signals(&settings.outputs),
+            outputs: settings.outputs.without_signals(),
             ..settings.clone()
         };
         let stepping = Stepping {

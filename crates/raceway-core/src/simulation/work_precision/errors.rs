@@ -96,7 +96,6 @@ impl<'a> Comparison<'a> {
         let spread = standard_deviations(&reference.trajectory, course.dimension());
         let scales = spread.iter().zip(&sizes).map(|(spread, size)| spread.max(LEAST_SCALE * size)).collect();
         let spectra = metrics::spectra(&reference.recording, &course.settings);
-        let frequencies = metrics::frequencies(scene, &reference.recording);
         let levels = levels(reference);
         let judged = judged(&levels);
         let mut lines: Vec<(Channel, Line)> = Vec::new();
@@ -105,7 +104,6 @@ impl<'a> Comparison<'a> {
             &reference.recording,
             &spectra,
             metrics::Spectra::Amplitude,
-            &frequencies,
             &AccuracyReport::default(),
         ) {
             if judged.contains(&channel) && lines.iter().filter(|(other, _)| *other == channel).count() < LINES {

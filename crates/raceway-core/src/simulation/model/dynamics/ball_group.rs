@@ -2,10 +2,10 @@
 
 use super::contact_frame::ContactFrame;
 use super::forces::Reaction;
-use crate::numerics::lanes::Lanes;
+use crate::numerics::lanes::{LANES, Lanes, SideBySide};
 use crate::physics::ball::BallMotion;
 use crate::physics::bearing::PerRaceway;
-use crate::physics::frames::Vector;
+use crate::physics::frames::{Vector, add};
 use crate::physics::pocket::{PocketLoad, PocketSlopes};
 use crate::physics::raceway::{ContactSlopes, RacewayLoad};
 use crate::simulation::model::state::{BallAttitude, BallState};
@@ -17,8 +17,22 @@ pub(super) struct Balls {
     pub motion: BallMotion<Lanes>,
     pub rates: BallState<Lanes>,
     pub reaction: Reaction<Lanes>,
+    /// Moments on a spindle that tilts, inertial frame [N m].
+    pub on_tilt: Option<Vector<Lanes>>,
     /// Attitudes, which are an input, and their rates; `None`: spheres have none.
     pub attitude: Option<[BallAttitude<Lanes>; 2]>,
+}
+
+impl Balls {
+    /// Adds the moments of the first `balls` lanes on a spindle that tilts, one ball after the other.
+    #[inline(always)]
+    pub(super) fn add_on_tilt(&self, sum: &mut Vector, balls: usize) {
+        if let Some(on_tilt) = &self.on_tilt {
+            for lane in 0..LANES.min(balls) {
+                *sum = add(*sum, on_tilt.at(lane));
+            }
+        }
+    }
 }
 
 /// Loads on balls side by side.

@@ -2,13 +2,15 @@
 
 use crate::numerics::angle::small_angle;
 use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
-use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale, subtract, turn_about};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
 
 /// Position of a ball on the inner raceway: place and axes of the contact's frame, in the orbit frame.
 pub(super) trait ContactFrame: Copy {
     type Several: SideBySide<One = Self> + Default;
     /// Data of the raceway's axis.
     type Axis: Copy;
+    /// In the orbit frame, velocity of a place that the tilting ring carries along, and angular velocity of the tilt.
+    fn carried(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> (Vector, Vector);
     /// Frame of a ball at an azimuth; `from_centre`: its place relative to the centre of the raceway, in its orbit frame.
     fn new(axis: &Self::Axis, azimuth: Azimuth, from_centre: Vector) -> Self;
     /// Distances along the raceway's axis and from it [m].
@@ -33,6 +35,11 @@ side_by_side!(StraightFrame { axial, radius, turn });
 impl ContactFrame for StraightFrame {
     type Several = StraightFrame<Lanes>;
     type Axis = ();
+
+    #[inline(always)]
+    fn carried(_: &(), _: Azimuth, _: Vector) -> (Vector, Vector) {
+        ([0.0; 3], [0.0; 3])
+    }
 
     #[inline(always)]
     fn new(_: &(), _: Azimuth, [axial, r, t]: Vector) -> Self {
@@ -62,6 +69,24 @@ impl ContactFrame for StraightFrame {
     }
 }
 
+/// Axis of a ring that is tilted or tilts, in the inertial frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TiltedAxis {
+    /// Of length 1.
+    pub direction: Vector,
+    /// Angular velocity of axes that tilt with the ring and do not turn about its axis [rad/s].
+    pub tilting: Vector,
+}
+
+impl TiltedAxis {
+    /// Axis of a ring at an angle and rates about Y and about the new Z.
+    #[inline(always)]
+    pub(super) fn new([about_y, about_z]: [f64; 2], [rate_y, rate_z]: [f64; 2]) -> Self {
+        let [direction, _, z] = Tilt::new(about_y, about_z).columns;
+        Self { direction, tilting: add([0.0, rate_y, 0.0], scale(rate_z, z)) }
+    }
+}
+
 /// Frame on a raceway whose axis is tilted.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct TiltedFrame<T = f64> {
@@ -75,11 +100,17 @@ side_by_side!(TiltedFrame { axial, radius, axis, radial, tangential });
 
 impl ContactFrame for TiltedFrame {
     type Several = TiltedFrame<Lanes>;
-    type Axis = Vector;
+    type Axis = TiltedAxis;
 
     #[inline(always)]
-    fn new(axis: &Vector, azimuth: Azimuth, from_centre: Vector) -> Self {
-        let axis = azimuth.to_orbit(*axis);
+    fn carried(axis: &TiltedAxis, azimuth: Azimuth, from_centre: Vector) -> (Vector, Vector) {
+        let tilting = azimuth.to_orbit(axis.tilting);
+        (cross(tilting, from_centre), tilting)
+    }
+
+    #[inline(always)]
+    fn new(axis: &TiltedAxis, azimuth: Azimuth, from_centre: Vector) -> Self {
+        let axis = azimuth.to_orbit(axis.direction);
         let axial = dot(from_centre, axis);
         let across = subtract(from_centre, scale(axial, axis));
         let radius = dot(across, across).sqrt();

@@ -3,15 +3,15 @@
 
 use super::ball_group::{BallLoads, Balls, Slopes};
 use super::border::{Border, CagePose, Shaft};
-use super::contact_frame::{ContactFrame, StraightFrame, TiltedFrame};
+use super::contact_frame::{ContactFrame, StraightFrame, TiltedAxis, TiltedFrame};
 use super::forces::{Reaction, Wrench};
-use super::one_ball::{OneBall, on_inner, on_pocket};
+use super::one_ball::{OneBall, moment_on_inner, on_inner, on_pocket};
 use super::watch::Watch;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 use crate::physics::ball::{BallMotion, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
-use crate::physics::frames::{Azimuth, Tilt, Vector, add, length, scale};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, length, scale};
 use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
@@ -35,8 +35,8 @@ pub type Planar = Dynamics<true>;
 pub struct Dynamics<const PLANAR: bool> {
     mechanism: Mechanism,
     one: OneBall,
-    /// The spindle's axis in the inertial frame; `None`: along X.
-    tilted_axis: Option<Vector>,
+    /// Axis of a spindle that is held at a tilt; `None`: along X.
+    held_axis: Option<TiltedAxis>,
     /// Vector instructions of the processor for balls side by side.
     instructions: InstructionSet,
     /// Displacements of the Jacobian: of the entries of a ball, of cage and spindle.
@@ -45,9 +45,8 @@ pub struct Dynamics<const PLANAR: bool> {
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub fn new(mechanism: Mechanism) -> Self {
-        let [about_y, about_z] = mechanism.misalignment;
-        let tilted_axis =
-            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| Tilt::new(about_y, about_z).columns[0]);
+        let held_axis =
+            (!PLANAR && mechanism.misalignment != [0.0; 2]).then(|| TiltedAxis::new(mechanism.misalignment, [0.0; 2]));
         let one_ball = Layout { balls: 1, ..mechanism.layout };
         let displacements = one_ball.sizes().iter().map(|size| DISPLACEMENT * size).collect();
         let one = OneBall {
@@ -59,7 +58,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
             body: mechanism.nominal_body,
         };
-        Self { mechanism, one, tilted_axis, instructions: InstructionSet::best(), displacements }
+        Self { mechanism, one, held_axis, instructions: InstructionSet::best(), displacements }
     }
 
     /// The same equations with other instructions of the same processor.
@@ -102,8 +101,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         // The state is gathered before the border: the scalar stores reach the cache before the vector loads.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), time);
-        let mut sum = Reaction::default();
-        let mut balls = Balls::default();
+        let (mut sum, mut on_tilt) = (Reaction::default(), [0.0; 3]);
+        let mut balls = Balls { on_tilt: self.on_tilt(), ..Balls::default() };
         for first in (0..layout.balls).step_by(LANES) {
             if first > 0 {
                 state = layout.side_by_side::<PLANAR>(y, first);
@@ -113,6 +112,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             }
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
+            balls.add_on_tilt(&mut on_tilt, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
             if let Some([_, rates]) = &balls.attitude {
                 layout.set_attitudes(dy, first, rates);
@@ -126,7 +126,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             });
         }
         layout.set_cage(dy, &self.cage_rates(&border, &sum));
-        layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle));
+        layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle, on_tilt));
     }
 
     /// Evaluates motion, rates and reactions of the balls from `first` on.
@@ -141,10 +141,25 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         slopes: Option<&mut Slopes<Lanes>>,
     ) {
         let asked = (watch, slopes);
-        match self.tilted_axis {
-            Some(axis) if !PLANAR => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, asked),
+        match self.axis(&border.spindle) {
+            Some(axis) => self.balls_in::<TiltedFrame>(first, state, border, &axis, balls, asked),
             _ => self.balls_in::<StraightFrame>(first, state, border, &(), balls, asked),
         }
+    }
+
+    /// Axis of the spindle; `None`: along X.
+    #[inline(always)]
+    fn axis(&self, spindle: &SpindleState) -> Option<TiltedAxis> {
+        match self.mechanism.layout.tilting_spindle {
+            _ if PLANAR => None,
+            true => Some(TiltedAxis::new(spindle.tilt, spindle.tilt_rate)),
+            false => self.held_axis,
+        }
+    }
+
+    /// Space for the moments of balls on a spindle that tilts.
+    pub(super) fn on_tilt(&self) -> Option<Vector<Lanes>> {
+        self.mechanism.layout.tilting_spindle.then(Default::default)
     }
 
     #[inline(always)]
@@ -239,6 +254,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         match m.unequal_bodies(first) {
             None => self.respond::<F>(state, border, &loads, one.body, balls),
             Some(bodies) => self.respond::<F>(state, border, &loads, *bodies, balls),
+        }
+        if let Some(on_tilt) = &mut balls.on_tilt {
+            *on_tilt = moments_on_inner::<F>(&balls.motion, &frames, &load.inner);
         }
         if let Some(watch) = watch {
             for lane in 0..LANES.min(m.layout.balls - first) {
@@ -339,9 +357,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Loads of the inner raceway on the balls from `first` on, and of the balls on the spindle.
     #[inline(always)]
-    pub(super) fn inner_part(&self, first: usize, balls: &Balls, border: &Border) -> (Wrench<Lanes>, Vector<Lanes>) {
-        match self.tilted_axis {
-            Some(axis) if !PLANAR => self.inner_part_in::<TiltedFrame>(first, balls, border, &axis),
+    pub(super) fn inner_part(&self, first: usize, balls: &Balls, border: &Border) -> InnerPart {
+        match self.axis(&border.spindle) {
+            Some(axis) => self.inner_part_in::<TiltedFrame>(first, balls, border, &axis),
             _ => self.inner_part_in::<StraightFrame>(first, balls, border, &()),
         }
     }
@@ -353,7 +371,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         Balls { motion, attitude, .. }: &Balls,
         border: &Border,
         axis: &F::Axis,
-    ) -> (Wrench<Lanes>, Vector<Lanes>) {
+    ) -> InnerPart {
         let (one, axis, Border { spindle, shaft, .. }) = (self.one, *axis, *border);
         let mut relative = RelativeMotion::<Lanes>::default();
         let mut frames = F::Several::default();
@@ -374,13 +392,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             }
         };
         self.mechanism.raceway.inner.loads::<PLANAR>(&relative, on_balls, &mut load, self.instructions);
-        let mut parts = <(Wrench<Lanes>, Vector<Lanes>)>::default();
+        let mut part = InnerPart { wrench: Wrench::default(), on_spindle: Default::default(), on_tilt: None };
         for lane in 0..LANES {
             let (wrench, reaction) = on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane));
-            parts.0.put(lane, wrench);
-            parts.1.put(lane, reaction);
+            part.wrench.put(lane, wrench);
+            part.on_spindle.put(lane, reaction);
         }
-        parts
+        if self.mechanism.layout.tilting_spindle {
+            part.on_tilt = Some(moments_on_inner::<F>(motion, &frames, &load));
+        }
+        part
     }
 
     /// Loads of the pockets on their balls, and force and moment of the balls on the cage.
@@ -489,15 +510,23 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// Rates of the spindle caused by a reaction.
+    /// Rates of the spindle caused by a reaction and a moment. The moment is taken along the axes that the tilt angles turn about: Y and the
+    /// new Z.
     #[inline(always)]
-    pub(super) fn spindle_response(&self, reaction: Vector) -> SpindleState {
-        SpindleState { velocity: scale(1.0 / self.mechanism.spindle_mass, reaction), ..SpindleState::default() }
+    pub(super) fn spindle_response(&self, reaction: Vector, moment: Vector, tilt: [f64; 2]) -> SpindleState {
+        let velocity = scale(1.0 / self.mechanism.spindle_mass, reaction);
+        let mut response = SpindleState { velocity, ..SpindleState::default() };
+        if let Some(inertia) = self.mechanism.spindle_inertia {
+            let [_, _, z] = Tilt::new(tilt[0], tilt[1]).columns;
+            response.tilt_rate = [moment[1] / inertia.transverse, dot(moment, z) / inertia.transverse];
+        }
+        response
     }
 
-    /// Equations (13), (14), and X where the spindle is free.
+    /// Equations (13), (14), and X and tilt where the spindle is free: I_t β̈_y + I_p Ω β̇_z = M_y, I_t β̈_z − I_p Ω β̇_y = M_z. The drive
+    /// follows the tilted axis.
     #[inline(always)]
-    pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector) -> SpindleState {
+    pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector, moment: Vector) -> SpindleState {
         let &Border { spindle: state, shaft: (angle, speed, acceleration), damping, .. } = border;
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
@@ -506,8 +535,39 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
         }
         force = add(force, scale(-damping * m.spindle_mass, state.velocity));
-        SpindleState { position: state.velocity, ..self.spindle_response(force) }
+        let mut rates = SpindleState { position: state.velocity, ..self.spindle_response(force, moment, state.tilt) };
+        if let Some(inertia) = m.spindle_inertia {
+            let gyroscopic = inertia.axial * speed / inertia.transverse;
+            let [rate_y, rate_z] = state.tilt_rate;
+            rates.tilt = state.tilt_rate;
+            rates.tilt_rate[0] -= gyroscopic * rate_z + damping * rate_y;
+            rates.tilt_rate[1] += gyroscopic * rate_y - damping * rate_z;
+        }
+        rates
     }
+}
+
+/// Loads of the inner raceway on balls side by side.
+pub(super) struct InnerPart {
+    pub wrench: Wrench<Lanes>,
+    /// Forces on the spindle, inertial frame [N].
+    pub on_spindle: Vector<Lanes>,
+    /// Moments on a spindle that tilts, inertial frame [N m].
+    pub on_tilt: Option<Vector<Lanes>>,
+}
+
+/// Moments of balls side by side on the inner ring about its centre, inertial frame [N m].
+#[inline(never)]
+fn moments_on_inner<F: ContactFrame>(
+    motion: &BallMotion<Lanes>,
+    frames: &F::Several,
+    load: &RacewayLoad<Lanes>,
+) -> Vector<Lanes> {
+    let mut moments = <Vector<Lanes>>::default();
+    for lane in 0..LANES {
+        moments.put(lane, moment_on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane)));
+    }
+    moments
 }
 
 /// One evaluation, compiled for each instruction set.

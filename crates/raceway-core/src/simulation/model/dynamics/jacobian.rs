@@ -5,11 +5,12 @@
 //! contacts, one of the cage only the pockets, and only those are evaluated.
 
 use super::ball_group::Balls;
-use super::border::{Border, CagePose};
+use super::border::Border;
 use super::equations::Dynamics;
 use super::forces::{Reaction, Wrench};
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::structure::Jacobian;
+use crate::physics::frames::{Vector, subtract};
 use crate::simulation::model::state::{BallAttitude, BallState, MAX_BORDER};
 
 /// One Jacobian, compiled for each instruction set.
@@ -58,8 +59,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         let displaced = &displaced[..border];
         // Reactions of all balls, at rest and with each entry of the border displaced.
-        let mut sum = Reaction::default();
-        let mut sums = [Reaction::default(); MAX_BORDER];
+        let mut sum = (Reaction::default(), [0.0; 3]);
+        let mut sums = [sum; MAX_BORDER];
 
         for first in (0..layout.balls).step_by(LANES) {
             let (count, group) = (LANES.min(layout.balls - first), first / LANES);
@@ -68,7 +69,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
             let attitude = layout.attitude.then(|| [layout.attitudes(state, first), BallAttitude::default()]);
-            let (mut balls, mut moved) = (Balls::default(), Balls::default());
+            let mut balls = Balls { on_tilt: self.on_tilt(), ..Balls::default() };
+            let mut moved = balls;
             // Undisplaced first, then by one entry after the other.
             for displaced in std::iter::once(None).chain((0..block).map(Some)) {
                 let mut entries = own.entries(PLANAR);
@@ -83,7 +85,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 self.balls(first, &BallState::from_entries(entries, PLANAR), &at_rest, &mut moved, None, None);
                 let Some(column) = displaced else {
                     balls = moved;
-                    balls.reaction.sum_into(&mut sum, count);
+                    balls.reaction.sum_into(&mut sum.0, count);
+                    balls.add_on_tilt(&mut sum.1, count);
                     continue;
                 };
                 let per = 1.0 / of_ball[column];
@@ -105,7 +108,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let mut rates = [Lanes::default(); MAX_BORDER];
                 for lane in 0..LANES {
                     let passed_on = moved.reaction.at(lane).less(&balls.reaction.at(lane));
-                    let response = self.border_response(&at_rest.pose, &passed_on);
+                    let on_tilt = match (&moved.on_tilt, &balls.on_tilt) {
+                        (Some(moved), Some(before)) => subtract(moved.at(lane), before.at(lane)),
+                        _ => [0.0; 3],
+                    };
+                    let response = self.border_response(&at_rest, &passed_on, on_tilt);
                     for row in 0..border {
                         rates[row][lane] = share[lane] * (response[row] * per);
                     }
@@ -116,20 +123,23 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
             // Effects of cage and spindle, again with the undisplaced border first.
-            let inner = self.inner_part(first, &balls, &at_rest).0;
+            let inner = self.inner_part(first, &balls, &at_rest).wrench;
             let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
-                let mut reaction = balls.reaction;
+                let mut reacting = Balls { reaction: balls.reaction, on_tilt: balls.on_tilt, ..Balls::default() };
+                let reaction = &mut reacting.reaction;
                 let (was, is) = if column < layout.cage_size() {
                     let (wrench, force, moment) = self.pocket_part(first, &balls.motion, &displaced.pose);
                     (reaction.cage_force, reaction.cage_moment) = (force, moment);
                     (&pocket, wrench)
                 } else {
-                    let (wrench, on_spindle) = self.inner_part(first, &balls, displaced);
-                    reaction.spindle = on_spindle;
-                    (&inner, wrench)
+                    let part = self.inner_part(first, &balls, displaced);
+                    reaction.spindle = part.on_spindle;
+                    reacting.on_tilt = part.on_tilt;
+                    (&inner, part.wrench)
                 };
-                reaction.sum_into(&mut sums[column], count);
+                reacting.reaction.sum_into(&mut sums[column].0, count);
+                reacting.add_on_tilt(&mut sums[column].1, count);
                 let mut change = Wrench::<Lanes>::default();
                 for lane in 0..LANES {
                     change.put(lane, is.at(lane).less(&was.at(lane)));
@@ -160,16 +170,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// Rates of cage and spindle under a reaction, in their order.
     #[inline(always)]
-    fn border_rates(&self, border: &Border, reaction: &Reaction) -> [f64; MAX_BORDER] {
+    fn border_rates(&self, border: &Border, (reaction, on_tilt): &(Reaction, Vector)) -> [f64; MAX_BORDER] {
         let cage = self.cage_rates(border, reaction);
-        let spindle = self.spindle_rates(border, reaction.spindle);
+        let spindle = self.spindle_rates(border, reaction.spindle, *on_tilt);
         self.mechanism().layout.border(&cage, &spindle)
     }
 
-    /// Rates of cage and spindle caused by a reaction, in their order.
+    /// Rates of cage and spindle caused by a reaction and a moment on the spindle, in their order.
     #[inline(always)]
-    fn border_response(&self, pose: &CagePose, reaction: &Reaction) -> [f64; MAX_BORDER] {
-        let (cage, spindle) = (self.cage_response(pose, reaction), self.spindle_response(reaction.spindle));
+    fn border_response(&self, border: &Border, reaction: &Reaction, on_tilt: Vector) -> [f64; MAX_BORDER] {
+        let cage = self.cage_response(&border.pose, reaction);
+        let spindle = self.spindle_response(reaction.spindle, on_tilt, border.spindle.tilt);
         self.mechanism().layout.border(&cage, &spindle)
     }
 }

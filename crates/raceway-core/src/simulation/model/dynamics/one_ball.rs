@@ -74,11 +74,12 @@ impl OneBall {
         let from_centre = [motion.axial - centre[0], motion.radius - centre[1], -centre[2]];
         let frame = F::new(axis, motion.azimuth, from_centre);
         let (axial, radius) = frame.place();
+        let (carried, tilting) = F::carried(axis, motion.azimuth, from_centre);
         let relative = RelativeMotion {
             axial,
             radius,
-            velocity: frame.components(subtract(motion.velocity, velocity)),
-            spin: frame.components(motion.spin),
+            velocity: frame.components(subtract(subtract(motion.velocity, velocity), carried)),
+            spin: frame.components(subtract(motion.spin, tilting)),
             raceway_speed: speed,
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - angle,
@@ -164,6 +165,14 @@ impl OneBall {
 pub(super) fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
     let force = frame.vector(load.force);
     (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
+}
+
+/// Moment of a ball on the inner ring about the ring's centre, in the inertial frame.
+#[inline(always)]
+pub(super) fn moment_on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> Vector {
+    let (axial, radius) = frame.place();
+    let on_ball = add(cross([axial, radius, 0.0], load.force), load.moment);
+    scale(-1.0, azimuth.to_inertial(frame.vector(on_ball)))
 }
 
 /// Load of a pocket on its ball, in the ball's orbit frame, and of the ball on the cage, in the cage's tilted frame about its centre

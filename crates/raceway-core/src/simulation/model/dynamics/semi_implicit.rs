@@ -226,6 +226,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         new.spindle = SpindleState {
             position: from_fn(|i| a.position[i] + h * (a.velocity[i] + h * lift[i])),
             velocity: from_fn(|i| a.velocity[i] + h * rise[i]),
+            ..a
         };
         let past_cage = formula.past_of_cage(&now.cage, &before.cage);
         let cage = formula.predicted_cage(&now.cage, &before.cage, &past_cage, share);
@@ -287,7 +288,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             let response = dynamics.cage_stiffness(&stiff);
             (new.cage, new.cage_rates) = corrected_cage(&past_cage, &cage, &rates, &response, share);
         }
-        let mut acceleration = dynamics.spindle_rates(&border, sum.spindle).velocity;
+        let mut acceleration = dynamics.spindle_rates(&border, sum.spindle, [0.0; 3]).velocity;
         if !layout.axial_spindle {
             acceleration[0] = 0.0;
         }
@@ -477,7 +478,7 @@ impl<const PLANAR: bool> Integrator for SemiImplicit<'_, PLANAR> {
         let (a, b) = (old.spindle, new.spindle);
         let position = blend(a.position, b.position, a.velocity, b.velocity);
         let velocity = blend(a.velocity, b.velocity, old.acceleration, new.acceleration);
-        layout.set_spindle(state, &SpindleState { position, velocity });
+        layout.set_spindle(state, &SpindleState { position, velocity, ..b });
     }
 
     fn restart(&mut self) {

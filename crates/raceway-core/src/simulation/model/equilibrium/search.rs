@@ -1,7 +1,9 @@
 //! The minimum of the potential of raceway contacts, applied loads, gravity and centrifugal force over the places of spindle and balls.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::Matrix3;
 
+use crate::numerics::bordered::Bordered;
+use crate::numerics::minimum::{Potential, Search, Slopes};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
 use crate::physics::raceway::RacewayContact;
@@ -13,6 +15,8 @@ use crate::simulation::model::mechanism::Mechanism;
 pub struct Equilibrium {
     /// Displacement of the spindle [m].
     pub spindle: Vector,
+    /// Tilt of the spindle about Y and about the new Z [rad].
+    pub tilt: [f64; 2],
     /// Axial position and radius less the pitch radius of each ball [m].
     pub balls: Vec<(f64, f64)>,
     /// Normal load of each ball on each raceway [N].
@@ -23,9 +27,8 @@ pub struct Equilibrium {
 
 /// Minimum of the potential at a spindle speed [rad/s], balls at their start azimuths on the ideal orbit.
 pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, SimulationError> {
-    let mut search = Search::new(mechanism, speed);
-    search.minimise()?;
-    let rest = search.result();
+    let potential = RacewayPotential::new(mechanism, speed);
+    let rest = potential.at(&potential.minimum()?);
     let raceway = &mechanism.raceway;
     for load in &rest.loads {
         let depth = raceway.inner.relative_depth(load.inner).max(raceway.outer.relative_depth(load.outer));
@@ -38,25 +41,38 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
     Ok(rest)
 }
 
+/// Stiffness of the spindle on its balls about the equilibrium at a spindle speed [rad/s], along X, Y, Z [N/m]. Balls follow the spindle without
+/// inertia, and the spindle does not tilt. Held directions are 0.
+pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f64>, SimulationError> {
+    let potential = RacewayPotential::new(mechanism, speed);
+    let condensed = potential.slopes(&potential.minimum()?).hessian.condensed();
+    let mut stiffness = Matrix3::zeros();
+    let translations = || potential.free.iter().enumerate().filter(|(_, freedom)| **freedom < 3);
+    for (row, &direction) in translations() {
+        for (column, &other) in translations() {
+            stiffness[(direction, other)] = condensed[row][column];
+        }
+    }
+    Ok(stiffness)
+}
+
 /// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
 const MAX_RELATIVE_DEPTH: f64 = 0.5;
 
-/// Largest number of iterations of the minimiser; a loaded bearing needs ten to thirty.
-const MAX_ITERATIONS: usize = 2000;
 /// First step of the search under the applied load [m]: of the size of clearances, because a longer step would penetrate the contacts far
 /// too deep and be rejected.
 const FIRST_STEP: f64 = 1e-5;
 
-/// A damped Newton search (Levenberg–Marquardt) over [axial, radial] of each ball, then the free
-/// directions of the spindle.
-struct Search<'a> {
+/// Most directions in which a spindle moves.
+const DIRECTIONS: usize = 5;
+
+/// The potential over [axial, radial] of each ball, then the free directions of the spindle.
+struct RacewayPotential<'a> {
     mechanism: &'a Mechanism,
     orbit_speed: f64,
     azimuths: Vec<Azimuth>,
-    axis: Vector,
-    /// Directions in which the spindle moves.
+    /// Freedoms of the spindle: along X, Y, Z, and about Y and the new Z.
     free: &'static [usize],
-    place: DVector<f64>,
 }
 
 /// One raceway contact of one ball, in the ball's meridian plane.
@@ -71,31 +87,41 @@ struct Touch {
     /// and unit vector across the contact.
     towards: Vector,
     across: Vector,
+    /// From the centre of the ring to the ball [m].
+    lever: Vector,
     /// Sine and cosine of the contact angle.
     angle: (f64, f64),
 }
 
-impl<'a> Search<'a> {
+impl<'a> RacewayPotential<'a> {
     fn new(mechanism: &'a Mechanism, speed: f64) -> Self {
         let balls = mechanism.layout.balls;
-        let [about_y, about_z] = mechanism.misalignment;
-        let free: &[usize] = if mechanism.layout.axial_spindle { &[0, 1, 2] } else { &[1, 2] };
         Self {
             mechanism,
             orbit_speed: mechanism.orbit_ratio * speed,
             azimuths: mechanism.start.angle[..balls].iter().map(|angle| Azimuth::new(*angle)).collect(),
-            axis: Tilt::new(about_y, about_z).columns[0],
-            free,
-            place: DVector::zeros(2 * balls + free.len()),
+            free: mechanism.layout.freedoms(),
         }
     }
 
-    fn spindle(&self, place: &DVector<f64>) -> Vector {
-        let mut spindle = [self.mechanism.axial_offset, 0.0, 0.0];
-        for (k, &direction) in self.free.iter().enumerate() {
-            spindle[direction] += place[2 * self.azimuths.len() + k];
+    /// Displacement of the spindle [m], and its tilt about Y and the new Z [rad]. The unknowns of the tilt are arcs at the pitch radius.
+    fn spindle(&self, place: &[f64]) -> (Vector, [f64; 2]) {
+        let mut unknowns = [0.0; DIRECTIONS];
+        for (k, &freedom) in self.free.iter().enumerate() {
+            unknowns[freedom] = place[2 * self.azimuths.len() + k];
         }
-        spindle
+        let m = self.mechanism;
+        let [x, y, z, about_y, about_z] = unknowns;
+        let per_radius = 1.0 / m.pitch_radius;
+        let [held_y, held_z] = m.misalignment;
+        ([m.axial_offset + x, y, z], [held_y + per_radius * about_y, held_z + per_radius * about_z])
+    }
+
+    /// Motion of the ring at a lever under each unknown of the spindle, in the inertial frame [-].
+    fn carried(&self, tilt: &Tilt, lever: Vector) -> [Vector; DIRECTIONS] {
+        let per_radius = 1.0 / self.mechanism.pitch_radius;
+        let about = |axis: Vector| scale(per_radius, cross(axis, lever));
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], about([0.0, 1.0, 0.0]), about(tilt.columns[2])]
     }
 
     /// `azimuth`: of the ball on a raceway that has not turned, about the bearing axis [rad]; `raised`: its radius less the nominal one with the
@@ -140,17 +166,19 @@ impl<'a> Search<'a> {
             energy: 0.4 * load * penetration.max(0.0),
             towards,
             across: subtract(scale(r, axis), scale(a, radial)),
+            lever: from_centre,
             angle: (a * 1.0_f64.copysign(r), r.abs()),
         }
     }
 
-    fn touches(&self, place: &DVector<f64>, ball: usize) -> PerRaceway<Touch> {
+    fn touches(&self, place: &[f64], ball: usize) -> PerRaceway<Touch> {
         let m = self.mechanism;
         let at = [place[2 * ball], m.pitch_radius + place[2 * ball + 1], 0.0];
         let ((angle, oversize), azimuth) = (m.start_and_oversize(ball), self.azimuths[ball]);
-        let centre = azimuth.to_orbit(self.spindle(place));
+        let (centre, [about_y, about_z]) = self.spindle(place);
+        let centre = azimuth.to_orbit(centre);
         let height = m.uneven_balls.get(ball).map(|ball| ball.heights).unwrap_or_default();
-        let axis = azimuth.to_orbit(self.axis);
+        let axis = azimuth.to_orbit(Tilt::new(about_y, about_z).columns[0]);
         let raised = |height: f64| (angle, oversize + height);
         PerRaceway {
             inner: self.touch(&m.raceway.inner, raised(height.inner), subtract(at, centre), axis),
@@ -171,118 +199,26 @@ impl<'a> Search<'a> {
         (mass * m.gravity * self.azimuths[ball].cosine + spring * radius, spring)
     }
 
-    fn energy(&self, place: &DVector<f64>) -> f64 {
-        let m = self.mechanism;
-        let spindle = self.spindle(place);
-        let mut energy = -dot(self.spindle_force(), spindle);
-        for ball in 0..self.azimuths.len() {
-            let radial = place[2 * ball + 1];
-            let (force, spring) = self.body_force(ball, m.pitch_radius);
-            let touches = self.touches(place, ball);
-            energy += touches.inner.energy + touches.outer.energy - (force + 0.5 * spring * radial) * radial;
-        }
-        energy
-    }
-
-    /// Gradient and (nearly exact) Hessian of the energy.
-    fn slopes(&self, place: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let n = place.len();
-        let (mut gradient, mut hessian) = (DVector::zeros(n), DMatrix::zeros(n, n));
-        let border = 2 * self.azimuths.len();
-        let force = self.spindle_force();
-        for (k, &direction) in self.free.iter().enumerate() {
-            gradient[border + k] -= force[direction];
-        }
-        for ball in 0..self.azimuths.len() {
-            let at = 2 * ball;
-            let (body, spring) = self.body_force(ball, self.mechanism.pitch_radius + place[at + 1]);
-            gradient[at + 1] -= body;
-            hessian[(at + 1, at + 1)] -= spring;
-            let touches = self.touches(place, ball);
-            for (touch, moves_spindle) in [(touches.inner, true), (touches.outer, false)] {
-                if touch.load == 0.0 {
-                    continue;
-                }
-                // Indices of the unknowns that move this contact, with their directions.
-                let spindle_towards = self.azimuths[ball].to_inertial(touch.towards);
-                let spindle_across = self.azimuths[ball].to_inertial(touch.across);
-                let mut entries = [(at, touch.towards[0], touch.across[0]); 5];
-                entries[1] = (at + 1, touch.towards[1], touch.across[1]);
-                let moved = if moves_spindle { self.free } else { &[] };
-                for (k, &direction) in moved.iter().enumerate() {
-                    entries[2 + k] = (border + k, -spindle_towards[direction], -spindle_across[direction]);
-                }
-                let entries = &entries[..2 + moved.len()];
-                for &(i, towards_i, across_i) in entries {
-                    gradient[i] += touch.load * towards_i;
-                    for &(j, towards_j, across_j) in entries {
-                        hessian[(i, j)] += touch.slope * towards_i * towards_j + touch.turning * across_i * across_j;
-                    }
-                }
-            }
-        }
-        if self.mechanism.layout.planar {
-            for ball in 0..self.azimuths.len() {
-                hessian[(2 * ball, 2 * ball)] += 1.0;
-            }
-        }
-        (gradient, hessian)
-    }
-
-    fn minimise(&mut self) -> Result<(), SimulationError> {
+    /// The place of least energy.
+    fn minimum(&self) -> Result<Vec<f64>, SimulationError> {
         let m = self.mechanism;
         let scale = dot(self.spindle_force(), self.spindle_force()).sqrt() + self.body_force(0, m.pitch_radius).0.abs();
-        let converged = 1e-11 * scale + 1e-12;
-        let longest_step = 0.01 * m.pitch_radius;
-        let mut damping = scale / FIRST_STEP;
-        let mut energy = self.energy(&self.place);
-        let mut residual = f64::INFINITY;
-        for _ in 0..MAX_ITERATIONS {
-            let (gradient, hessian) = self.slopes(&self.place);
-            residual = gradient.amax();
-            if residual <= converged {
-                return Ok(());
-            }
-            let mut damped = hessian;
-            for i in 0..damped.nrows() {
-                damped[(i, i)] += damping;
-            }
-            let Some(factor) = damped.cholesky() else {
-                damping *= 10.0;
-                continue;
-            };
-            let mut step = factor.solve(&-&gradient);
-            let longest = step.amax();
-            if !longest.is_finite() {
-                break;
-            }
-            if longest > longest_step {
-                step *= longest_step / longest;
-            }
-            let next = &self.place + &step;
-            let next_energy = self.energy(&next);
-            // Close to the minimum the energy no longer resolves the step, and the force decides.
-            let better = next_energy < energy || self.slopes(&next).0.amax() < residual;
-            if better {
-                self.place = next;
-                energy = next_energy;
-                damping = (0.1 * damping).max(1e-9);
-            } else {
-                damping *= 10.0;
-                if damping > 1e25 {
-                    break;
-                }
-            }
-        }
+        let search = Search {
+            converged: 1e-11 * scale + 1e-12,
+            longest_step: 0.01 * m.pitch_radius,
+            first_damping: scale / FIRST_STEP,
+        };
+        let mut place = vec![0.0; 2 * self.azimuths.len() + self.free.len()];
+        let residual = search.minimise(self, &mut place).residual();
         // Rounding of places at a stiffness near 1 m/kN leaves at most this residual.
         if residual <= 1e-6 * scale + 1e-9 {
-            return Ok(());
+            return Ok(place);
         }
         Err(SimulationError::NoEquilibrium(format!("{residual:.3e} N stay unbalanced of {scale:.3e} N applied")))
     }
 
-    fn result(&self) -> Equilibrium {
-        let touches = |ball| self.touches(&self.place, ball);
+    fn at(&self, place: &[f64]) -> Equilibrium {
+        let touches = |ball| self.touches(place, ball);
         let (loads, angles) = (0..self.azimuths.len())
             .map(touches)
             .map(|PerRaceway { inner, outer }| {
@@ -290,15 +226,76 @@ impl<'a> Search<'a> {
                 (load, PerRaceway { inner: inner.angle, outer: outer.angle })
             })
             .unzip();
+        let (spindle, tilt) = self.spindle(place);
         Equilibrium {
-            spindle: {
-                let mut spindle = self.spindle(&self.place);
-                spindle[0] -= self.mechanism.axial_offset;
-                spindle
-            },
-            balls: (0..self.azimuths.len()).map(|ball| (self.place[2 * ball], self.place[2 * ball + 1])).collect(),
+            spindle: subtract(spindle, [self.mechanism.axial_offset, 0.0, 0.0]),
+            tilt,
+            balls: (0..self.azimuths.len()).map(|ball| (place[2 * ball], place[2 * ball + 1])).collect(),
             loads,
             angles,
         }
+    }
+}
+
+impl Potential<DIRECTIONS> for RacewayPotential<'_> {
+    /// Energy, gradient and (nearly exact) Hessian.
+    fn slopes(&self, place: &[f64]) -> Slopes<DIRECTIONS> {
+        let balls = self.azimuths.len();
+        let force = self.spindle_force();
+        let (spindle, [about_y, about_z]) = self.spindle(place);
+        let tilt = Tilt::new(about_y, about_z);
+        let mut value = -dot(force, spindle);
+        let mut hessian = Bordered::zeros(balls, self.free.len());
+        let mut gradient = vec![0.0; place.len()];
+        let (of_balls, of_spindle) = gradient.split_at_mut(2 * balls);
+        for (slope, &direction) in of_spindle.iter_mut().zip(self.free) {
+            *slope -= force.get(direction).copied().unwrap_or_default();
+        }
+        for (ball, of_ball) in of_balls.chunks_exact_mut(2).enumerate() {
+            let radial = place[2 * ball + 1];
+            let (body, spring) = self.body_force(ball, self.mechanism.pitch_radius);
+            let touches = self.touches(place, ball);
+            value += touches.inner.energy + touches.outer.energy - (body + 0.5 * spring * radial) * radial;
+            of_ball[1] -= self.body_force(ball, self.mechanism.pitch_radius + radial).0;
+            let block = &mut hessian.blocks[ball];
+            block.diagonal[1] -= spring;
+            for touch in [&touches.inner, &touches.outer].into_iter().filter(|touch| touch.load != 0.0) {
+                let ([axial, outwards, _], [across_axial, across_outwards, _]) = (touch.towards, touch.across);
+                of_ball[0] += touch.load * axial;
+                of_ball[1] += touch.load * outwards;
+                block.diagonal[0] += touch.stiffness((axial, across_axial), (axial, across_axial));
+                block.between += touch.stiffness((outwards, across_outwards), (axial, across_axial));
+                block.diagonal[1] += touch.stiffness((outwards, across_outwards), (outwards, across_outwards));
+            }
+            let touch = touches.inner;
+            if touch.load != 0.0 {
+                let azimuth = self.azimuths[ball];
+                let (towards, across) = (azimuth.to_inertial(touch.towards), azimuth.to_inertial(touch.across));
+                let carried = self.carried(&tilt, azimuth.to_inertial(touch.lever));
+                let moved =
+                    |row: usize| (-dot(carried[self.free[row]], towards), -dot(carried[self.free[row]], across));
+                for (row, slope) in of_spindle.iter_mut().enumerate() {
+                    *slope += touch.load * moved(row).0;
+                    for column in 0..2 {
+                        let of_column = (touch.towards[column], touch.across[column]);
+                        block.border[column][row] += touch.stiffness(moved(row), of_column);
+                    }
+                    for column in 0..=row {
+                        hessian.border[row][column] += touch.stiffness(moved(row), moved(column));
+                    }
+                }
+            }
+            if self.mechanism.layout.planar {
+                block.diagonal[0] += 1.0;
+            }
+        }
+        Slopes { value, gradient, hessian }
+    }
+}
+
+impl Touch {
+    /// Stiffness [N/m] between two unknowns, each with the shares of its motion towards the contact and across it.
+    fn stiffness(&self, row: (f64, f64), column: (f64, f64)) -> f64 {
+        self.slope * row.0 * column.0 + self.turning * row.1 * column.1
     }
 }

@@ -7,7 +7,7 @@ use crate::numerics::interpolation::Course;
 use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
 use crate::physics::bearing::PerRaceway;
-use crate::physics::frames::{Vector, length};
+use crate::physics::frames::{Azimuth, Vector, dot, length};
 use crate::physics::kinematics::LoadedBall;
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
@@ -15,6 +15,7 @@ use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
 use crate::simulation::model::surface_sites::SiteObserver;
 use crate::simulation::model::system::Model;
 use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::recording::ball_tracks::BallTracks;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
 use crate::simulation::recording::record::{Quantities, Recording, cage_slip};
@@ -74,6 +75,8 @@ pub struct Observer<'m> {
     shaft: Moments,
     cage: Moments,
     spin: Moments,
+    /// `None` where all balls are spheres.
+    tracks: Option<BallTracks>,
     /// Whether the slip of the cage is recorded.
     slips: bool,
     rolling: LoadedRolling,
@@ -145,6 +148,7 @@ impl<'m> Observer<'m> {
             rolling: LoadedRolling::default(),
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
+            tracks: (!model.mechanism().uneven_balls.is_empty()).then(|| BallTracks::new(balls)),
             sites: model.mechanism().sites.as_ref().map(|sites| {
                 let window = settings.outputs.keep_signals().then_some(settings.outputs.longest_window);
                 SiteObserver::new(sites, balls, settings.outputs.contacts, window)
@@ -283,6 +287,22 @@ impl<'m> Observer<'m> {
             self.part_cage.z.add(z);
         }
         self.observe_sites(time);
+        self.observe_tracks(time);
+    }
+
+    /// Latitudes of the contacts on balls that may leave their plane.
+    fn observe_tracks(&mut self, time: f64) {
+        let m = self.model.mechanism();
+        let Some(tracks) = self.tracks.as_mut().filter(|_| !m.layout.planar) else { return };
+        let ideal = Azimuth::new((m.spin_ratio - m.orbit_ratio) * m.speed.at(time).0);
+        for (ball, uneven) in m.uneven_balls.iter().enumerate() {
+            let [pole, ..] = m.layout.attitude(&self.state, ball).axes(&uneven.axes, ideal, false);
+            let PerRaceway { inner, outer } = self.snapshot.angle[ball];
+            let contacts = [(self.snapshot.inner[ball], inner), (self.snapshot.outer[ball], outer)];
+            for (load, (sine, cosine)) in contacts {
+                tracks.add_contact(ball, load, dot(pole, [sine, cosine, 0.0]));
+            }
+        }
     }
 
     fn observe_sites(&mut self, time: f64) {
@@ -349,7 +369,11 @@ impl<'m> Observer<'m> {
                 let load = PerRaceway { inner: self.snapshot.inner[ball], outer: self.snapshot.outer[ball] };
                 self.part_cage.rolling.add(load, || loaded.orbit_ratio((about_x, state.spin[1])));
             }
-            spin += length([about_x, state.spin[1], state.spin[2]]) / balls as f64;
+            let own = length([about_x, state.spin[1], state.spin[2]]);
+            if let Some(tracks) = &mut self.tracks {
+                tracks.add_spin(ball, own);
+            }
+            spin += own / balls as f64;
         }
         // Without a cage the mean orbit speed of the balls replaces its speed.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
@@ -364,7 +388,7 @@ impl<'m> Observer<'m> {
     fn pick(&mut self, time: f64) {
         let m = self.model.mechanism();
         let (_, speed, _) = m.speed.at(time);
-        let cage = m.layout.cage(&self.state);
+        let (cage, spindle) = (m.layout.cage(&self.state), m.layout.spindle(&self.state));
         for (value, channel) in self.pick.iter_mut().zip(&self.channels) {
             *value = match *channel {
                 Channel::CageDisplacement(axis) => cage.centre[axis as usize],
@@ -377,6 +401,7 @@ impl<'m> Observer<'m> {
                 Channel::BallLoad(ball, BallContact::Inner) => self.snapshot.inner[ball],
                 Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
                 Channel::BallLoad(ball, BallContact::Pocket) => self.snapshot.pocket[ball],
+                Channel::SpindleTilt(axis) => spindle.tilt[usize::from(axis == Axis::Z)],
                 Channel::Spindle(..) => 0.0,
             };
         }
@@ -451,6 +476,7 @@ impl<'m> Observer<'m> {
             cage_speed: self.cage.mean().abs(),
             loaded_orbit_ratio: self.rolling.mean(),
             ball_spin: self.spin.mean(),
+            tracks: self.tracks.map(BallTracks::finish).unwrap_or_default(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
             passages: self.sites.map(SiteObserver::into_passages).unwrap_or_default(),

@@ -2,7 +2,7 @@
 
 use super::carried_balls::ball_leaves;
 use crate::physics::cage::PocketFilm;
-use crate::physics::spindle::AxialHold;
+use crate::physics::spindle::{AxialHold, SpindleTilt};
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
@@ -27,6 +27,8 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
         Some(Inapplicable::SpindleOffCentre)
     } else if scene.operation.misalignment != [0.0; 2] {
         Some(Inapplicable::Misaligned)
+    } else if scene.spindle.tilt != SpindleTilt::Held {
+        Some(Inapplicable::SpindleTilts)
     } else if scene.terms.get(Term::Cage) == TermChoice::Off {
         Some(Inapplicable::NoCage)
     } else if scene.operation.start_perturbation().is_some() {

@@ -405,6 +405,7 @@ impl<'a> Observer<'a> {
             shaft_speed: shaft.abs(),
             cage_speed: (m.orbit_ratio * shaft + cage).abs(),
             loaded_orbit_ratio: self.rolling.mean(),
+            tracks: Vec::new(),
             ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
@@ -499,7 +500,7 @@ fn value(model: &RadiallyCondensed, channel: Channel, stepper: &Stepper<'_>, spe
     let m = model.mechanism();
     let border = stepper.border();
     match channel {
-        Channel::Spindle(..) | Channel::CageDisplacement(Axis::X) => 0.0,
+        Channel::Spindle(..) | Channel::SpindleTilt(_) | Channel::CageDisplacement(Axis::X) => 0.0,
         Channel::CageDisplacement(Axis::Y) => border.cage[0],
         Channel::CageDisplacement(Axis::Z) => border.cage[1],
         Channel::CageSpeed => m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius,

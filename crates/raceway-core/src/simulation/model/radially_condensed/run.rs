@@ -9,7 +9,7 @@ use super::stepping::Stepper;
 use crate::numerics::ode::{IntegrationError, Statistics};
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::{Outputs, RunSettings};
+use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::step_ratio::{MAX_STEPS_PER_VALUE, StepRatio};
@@ -41,7 +41,7 @@ pub(crate) fn simulate_perturbed(
     control: &Control<'_>,
 ) -> Result<(Recording, Statistics), SimulationError> {
     let model = RadiallyCondensed::new(scene, &settings.outputs)?.displaced(displacement);
-    let outputs = Outputs { spectra: Vec::new(), series: Vec::new(), ..settings.outputs.clone() };
+    let outputs = settings.outputs.without_signals();
     run(&model, &RunSettings { outputs, ..settings.clone() }, control)
 }
 
@@ -98,7 +98,7 @@ impl RadiallyCondensed {
             stepper.advance(STEPS_PER_POLL.min(all - stepper.steps()), &mut observer);
             finite(&stepper)?;
             let [y, z] = stepper.border().spindle;
-            if let Some(departure) = self.mechanism().departure([0.0, y, z]) {
+            if let Some(departure) = self.mechanism().departure([0.0, y, z], [0.0; 2]) {
                 return Err(SimulationError::SpindleLeft { time: stepper.time(), departure });
             }
             (control.progress)(stepper.steps() as f64 / all as f64);

@@ -1,7 +1,7 @@
 //! Applicability of the model of the spindle alone to a scene and its outputs.
 
 use crate::physics::contact::damping::DampingLaw;
-use crate::physics::spindle::AxialHold;
+use crate::physics::spindle::{AxialHold, SpindleTilt};
 use crate::simulation::input::channel::{Axis, Channel};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
@@ -24,6 +24,8 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::SpindleOffCentre
     } else if scene.operation.misalignment != [0.0; 2] {
         Inapplicable::Misaligned
+    } else if scene.spindle.tilt != SpindleTilt::Held {
+        Inapplicable::SpindleTilts
     } else if !needs.cage {
         Inapplicable::NoCage
     } else if needs.raceway.hydrodynamics {

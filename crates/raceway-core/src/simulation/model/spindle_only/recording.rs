@@ -37,6 +37,7 @@ pub(crate) fn recording(
         shaft_speed: mean.abs(),
         cage_speed: (model.orbit_ratio() * mean).abs(),
         loaded_orbit_ratio: None,
+        tracks: Vec::new(),
         ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
         loads: None,

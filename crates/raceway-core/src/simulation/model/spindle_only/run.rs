@@ -90,7 +90,7 @@ pub fn simulate(
             return Err(SimulationError::Integration { source, entry: "the spindle".into() });
         }
         let [y, z] = method.motion().0;
-        if let Some(departure) = mechanism.departure([0.0, y, z]) {
+        if let Some(departure) = mechanism.departure([0.0, y, z], [0.0; 2]) {
             return Err(SimulationError::SpindleLeft { time, departure });
         }
         if from % (16 * STEPS_PER_BLOCK) == 0 {

@@ -6,7 +6,7 @@ use crate::physics::contact::damping::DampingLaw;
 use crate::physics::examples::{article_bearing, article_cage, article_lubricant};
 use crate::physics::lubricant::{Lubricant, LubricantKind};
 use crate::physics::operation::{Operation, SpeedProfile};
-use crate::physics::spindle::{AxialHold, Spindle, Unbalance};
+use crate::physics::spindle::{AxialHold, Spindle, SpindleTilt, Unbalance};
 use crate::physics::surface::waviness::SurfaceParameters;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{SceneParameters, Terms};
@@ -18,7 +18,7 @@ fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
     Scene::new(SceneParameters {
         bearing: article_bearing().parameters,
         cage: CageParameters { film, ..article_cage() },
-        spindle: Spindle { mass: 0.05, unbalance: Unbalance::None, axial: AxialHold::Fixed },
+        spindle: Spindle { mass: 0.05, unbalance: Unbalance::None, axial: AxialHold::Fixed, tilt: SpindleTilt::Held },
         operation: Operation {
             speed: SpeedProfile::constant(speed).unwrap(),
             load: [0.0, 200.0, 0.0],

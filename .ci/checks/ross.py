@@ -1,0 +1,139 @@
+#!/usr/bin/env python3
+"""Rotor jobs beside ROSS: the exported script runs with ross-rotordynamics from PyPI, and natural frequencies, critical speeds and unbalance
+response agree to the printed digits; the form for ROSS 3 has its own argument name. With a URL as argument the rotors run there.
+
+ROSS is installed once in a virtual environment under CI_TOOLS, else under the directory of temporary files."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+from cases import result, run_cases, verdict  # noqa: E402
+
+# ROSS 2.3.0 uses a plot type that plotly 6 removed.
+PACKAGES = ("ross-rotordynamics==2.3.0", "plotly==5.24.1")
+TOOLS = os.path.join(os.environ.get("CI_TOOLS", tempfile.gettempdir()), "raceway-ross")
+
+STEEL = {"elastic_modulus_gpa": 211, "poisson_ratio": 211 / (2 * 81.2) - 1, "density_kg_m3": 7810}
+
+
+def support(at, stiffness, damping):
+    return {"at_mm": at, "stiffness_n_per_um": [0, *stiffness], "damping_n_s_per_m": [0, damping, damping]}
+
+
+def shaft(sections, disc, unbalance):
+    listed = [{"length_mm": length, "outer_diameter_mm": outer, "inner_diameter_mm": inner}
+              for count, length, outer, inner in sections for _ in range(count)]
+    keys = ("at_mm", "mass_kg", "transverse_inertia_kg_m2", "axial_inertia_kg_m2")
+    return {"material": STEEL, "sections": listed, "discs": [dict(zip(keys, disc))], "elements": "sections",
+            "unbalances": [{"at_mm": disc[0], "unbalance_g_mm": unbalance, "phase_deg": 30}], "damping_ratio": 0}
+
+
+MIDDLE = {
+    "kind": "rotor", "speeds_rpm": [0, 6000, 12000, 18000, 24000, 30000],
+    "scene": {"shaft": shaft([(30, 10, 25, 0)], (150, 1.2, 8e-4, 1.5e-3), 20), "operation": {"speed_rpm": 12000},
+              "supports": [support(40, (50, 50), 200), support(260, (50, 50), 200)]}}
+OVERHUNG = {
+    "kind": "rotor", "speeds_rpm": [0, 10000, 20000, 30000, 40000],
+    "scene": {"shaft": shaft([(2, 20, 30, 0), (8, 20, 40, 12), (3, 20, 35, 12)], (260, 2.5, 4e-3, 7e-3), 50),
+              "operation": {"speed_rpm": 10000},
+              "supports": [support(60, (100, 150), 500), support(180, (200, 260), 800)]}}
+
+# Runs in the environment of ROSS: natural frequencies at each speed and at the critical speeds, and the unbalance response.
+DRIVER = """
+import json, runpy, sys
+import numpy as np
+made = runpy.run_path(sys.argv[1])
+rotor, asked = made["rotor"], json.loads(sys.argv[2])
+frequencies = lambda speed: rotor.run_modal(speed=speed, num_modes=28).wd.tolist()
+response = made["unbalance_response"]()
+forced = np.abs(response.forced_resp)
+per_node = forced.shape[0] // len(rotor.nodes)
+print(json.dumps({"speeds": [frequencies(speed) for speed in asked["speeds"]],
+                  "criticals": [frequencies(speed) for speed in asked["criticals"]],
+                  "response": [forced[per_node * node:per_node * node + 2].tolist() for node in asked["nodes"]]}))
+"""
+
+
+def python():
+    """The interpreter of an environment with ROSS."""
+    path = os.path.join(TOOLS, "bin", "python")
+    mark = os.path.join(TOOLS, "pinned")
+    wanted = "\n".join(PACKAGES)
+    if not (os.path.exists(mark) and open(mark, encoding="utf-8").read() == wanted):
+        shutil.rmtree(TOOLS, ignore_errors=True)
+        subprocess.run([sys.executable, "-m", "venv", TOOLS], check=True)
+        subprocess.run([path, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *PACKAGES],
+                       check=True, timeout=900)
+        with open(mark, "w", encoding="utf-8") as file:
+            file.write(wanted)
+    return path
+
+
+def script_of(running, job, version):
+    path, _ = running.submit(job)
+    ended = running.ended(path)
+    if ended["status"] != "succeeded":
+        sys.exit(f"FAILED: {ended}")
+    _, _, text = running.request("GET", f"{path}/rotor.py?ross={version}")
+    return text if isinstance(text, str) else text.decode()
+
+
+def by_ross(script, asked):
+    with tempfile.TemporaryDirectory() as directory:
+        names = [os.path.join(directory, name) for name in ("exported.py", "driver.py")]
+        for name, text in zip(names, (script, DRIVER)):
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text)
+        ran = subprocess.run([python(), names[1], names[0], json.dumps(asked)], capture_output=True, text=True, timeout=600)
+    if ran.returncode != 0:
+        sys.exit(f"FAILED: the exported script\n{ran.stderr}")
+    return json.loads(ran.stdout.splitlines()[-1])
+
+
+def largest_difference(ours, theirs):
+    """Largest relative distance of one of our values from the nearest of theirs, which also have axial and torsional modes."""
+    return max(min(abs(one - other) for other in theirs) / one for one in ours)
+
+
+def compare(running, job, name):
+    answer = result(running, job, "rotor")
+    speeds = [rpm * 3.141592653589793 / 30 for rpm in answer["speeds_rpm"]]
+    criticals = [critical["speed_rpm"] * 3.141592653589793 / 30 for critical in answer["criticals"]]
+    disc = answer["model"]["discs"][0]["node"]
+    theirs = by_ross(script_of(running, job, 2), {"speeds": speeds, "criticals": criticals, "nodes": [disc]})
+    worst = 0
+    for index in range(len(speeds)):
+        ours = [2 * 3.141592653589793 * mode["frequency_hz"][index] for mode in answer["modes"]]
+        worst = max(worst, largest_difference(ours, theirs["speeds"][index]))
+    verdict(worst < 1e-6, f"{name}: natural frequencies at {len(speeds)} speeds differ by {worst:.1e} of ROSS at most")
+    worst = max(largest_difference([speed], found) for speed, found in zip(criticals, theirs["criticals"]))
+    verdict(len(criticals) >= 2 and worst < 1e-6, f"{name}: {len(criticals)} critical speeds differ by {worst:.1e}")
+    station = next(one for one in answer["response"] if abs(one["at_mm"] - job["scene"]["shaft"]["discs"][0]["at_mm"]) < 1e-6)
+    pairs = [(ours * 1e-6, other) for axis, along in (("y_um", 0), ("z_um", 1))
+             for ours, other in zip(station[axis], theirs["response"][0][along]) if other > 0]
+    worst = max(abs(ours / other - 1) for ours, other in pairs)
+    verdict(len(pairs) >= 8 and worst < 1e-5, f"{name}: unbalance response differs by {worst:.1e}")
+
+
+def case_disc_in_the_middle(running):
+    compare(running, MIDDLE, "disc in the middle")
+
+
+def case_overhung_disc(running):
+    compare(running, OVERHUNG, "overhung disc")
+
+
+def case_argument_of_the_tables(running):
+    """ROSS 3 renames the argument of tabulated coefficients."""
+    names = {version: set(re.findall(r", (frequency|speed)=", script_of(running, MIDDLE, version))) for version in (2, 3)}
+    verdict(names == {2: {"frequency"}, 3: {"speed"}}, f"tables over {names[2]} for ROSS 2, over {names[3]} for ROSS 3")
+
+
+if __name__ == "__main__":
+    run_cases(globals())

@@ -1,0 +1,82 @@
+//! The minimum of a function of blocks of two unknowns and a border, by a damped Newton search (Levenberg–Marquardt).
+
+use super::bordered::Bordered;
+
+/// A function of blocks of two unknowns and a border of at most `B`, such as a potential [J] of places [m].
+pub(crate) trait Potential<const B: usize> {
+    fn slopes(&self, place: &[f64]) -> Slopes<B>;
+}
+
+/// A function at a place, with its derivatives.
+pub(crate) struct Slopes<const B: usize> {
+    pub(crate) value: f64,
+    pub(crate) gradient: Vec<f64>,
+    pub(crate) hessian: Bordered<B>,
+}
+
+impl<const B: usize> Slopes<B> {
+    /// Largest entry of the gradient.
+    pub(crate) fn residual(&self) -> f64 {
+        largest(&self.gradient)
+    }
+}
+
+/// Rules of a search.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Search {
+    /// Residual at which the search ends.
+    pub(crate) converged: f64,
+    pub(crate) longest_step: f64,
+    /// Damping of the first step: a gradient over a length.
+    pub(crate) first_damping: f64,
+}
+
+/// Largest number of steps, rejected ones included; a loaded bearing needs ten to thirty.
+const MAX_STEPS: usize = 2000;
+/// Smallest damping, and the one from which a step no longer moves anything.
+const DAMPING_RANGE: [f64; 2] = [1e-9, 1e25];
+
+impl Search {
+    /// Moves a place to the minimum, and returns the derivatives there. They have the smallest residual that was found where it does not converge.
+    pub(crate) fn minimise<const B: usize>(&self, potential: &impl Potential<B>, place: &mut Vec<f64>) -> Slopes<B> {
+        let mut damping = self.first_damping;
+        let mut here = potential.slopes(place);
+        for _ in 0..MAX_STEPS {
+            if here.residual() <= self.converged {
+                break;
+            }
+            let Some(factor) = here.hessian.clone().shifted(damping).factor() else {
+                damping *= 10.0;
+                continue;
+            };
+            let mut step: Vec<f64> = here.gradient.iter().map(|slope| -slope).collect();
+            factor.solve(&mut step);
+            let longest = largest(&step);
+            if !longest.is_finite() {
+                break;
+            }
+            if longest > self.longest_step {
+                step.iter_mut().for_each(|part| *part *= self.longest_step / longest);
+            }
+            let next: Vec<f64> = place.iter().zip(&step).map(|(at, part)| at + part).collect();
+            let there = potential.slopes(&next);
+            // Close to the minimum the value no longer resolves the step, and the gradient decides.
+            if there.value < here.value || there.residual() < here.residual() {
+                (*place, here) = (next, there);
+                damping = (0.1 * damping).max(DAMPING_RANGE[0]);
+            } else {
+                damping *= 10.0;
+                if damping > DAMPING_RANGE[1] {
+                    break;
+                }
+            }
+        }
+        here
+    }
+}
+
+/// Largest magnitude; NaN where a value is NaN.
+fn largest(values: &[f64]) -> f64 {
+    let larger = |most: f64, value: f64| if value > most || value.is_nan() { value } else { most };
+    values.iter().map(|value| value.abs()).fold(0.0, larger)
+}

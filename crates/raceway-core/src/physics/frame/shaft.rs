@@ -1,0 +1,65 @@
+//! A flexible shaft: sections of constant diameter, discs and internal damping.
+
+use super::beam::Tube;
+use super::disc::Disc;
+use crate::physics::material::Material;
+
+/// A length of the shaft with constant section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Section {
+    /// [m]
+    pub length: f64,
+    pub tube: Tube,
+}
+
+/// A flexible shaft, from its end at 0 along +X.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shaft {
+    pub material: Material,
+    /// At least one.
+    pub sections: Vec<Section>,
+    pub discs: Vec<Disc>,
+    /// Damping ratio of the shaft's own free modes [-].
+    pub damping_ratio: f64,
+    /// Share of this damping that turns with the shaft, 0 … 1 [-].
+    pub rotating_share: f64,
+    /// Whether the shaft may move and vibrate along X.
+    pub is_axially_free: bool,
+}
+
+impl Shaft {
+    /// [m]
+    pub fn length(&self) -> f64 {
+        self.sections.iter().map(|section| section.length).sum()
+    }
+
+    /// Mass, discs included [kg].
+    pub fn mass(&self) -> f64 {
+        self.masses().map(|(mass, _)| mass).sum()
+    }
+
+    /// Place of the mass centre [m].
+    pub fn mass_centre(&self) -> f64 {
+        self.masses().map(|(mass, at)| mass * at).sum::<f64>() / self.mass()
+    }
+
+    /// Masses of sections and discs [kg], each with the place of its centre [m].
+    fn masses(&self) -> impl Iterator<Item = (f64, f64)> {
+        let mut end = 0.0;
+        let of_sections = self.sections.iter().map(move |section| {
+            let centre = end + 0.5 * section.length;
+            end += section.length;
+            (self.material.density * section.tube.area() * section.length, centre)
+        });
+        of_sections.chain(self.discs.iter().map(|disc| (disc.mass, disc.at)))
+    }
+
+    /// Ends of the sections, from 0 to the length [m].
+    pub fn section_ends(&self) -> Vec<f64> {
+        let mut ends = vec![0.0];
+        for section in &self.sections {
+            ends.push(ends[ends.len() - 1] + section.length);
+        }
+        ends
+    }
+}

@@ -1,0 +1,324 @@
+//! One ball between both rings: its potential by its own place and by the pose of the inner ring.
+
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
+use crate::physics::bearing::Bearing;
+use crate::physics::contact::damping::{DampingFactor, normal_slopes};
+use crate::physics::contact::hertz::{HertzContact, raceway_contacts};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
+use crate::physics::kinematics;
+
+/// Number of freedoms of a ring: x, y, z, β_y, β_z.
+pub(super) const FREEDOMS: usize = 5;
+/// Freedoms of a ball, along the axis and the radius.
+pub(super) const OF_BALL: usize = 2;
+const UNKNOWNS: usize = OF_BALL + FREEDOMS;
+/// Places in a ball spacing that are averaged.
+const PLACES: usize = 8;
+
+/// Pose of a ring [m, m, m, rad, rad].
+pub type Pose = [f64; FREEDOMS];
+/// Forces and moments along the freedoms of a ring [N, N, N, N m, N m].
+pub type Wrench = [f64; FREEDOMS];
+/// A stiffness [N/m, N, N m] or a damping [N s/m, N s, N m s] by the freedoms of a ring, row by row.
+pub type Matrix = [[f64; FREEDOMS]; FREEDOMS];
+
+/// Constants of a bearing at rest.
+#[derive(Debug, Clone)]
+pub struct RingBearing {
+    inner: Groove,
+    outer: Groove,
+    pub(super) balls: usize,
+    /// Places in a ball spacing that are averaged.
+    pub(super) places: usize,
+    pub(super) pitch_radius: f64,
+    ball_radius: f64,
+    pub(super) ball_mass: f64,
+    orbit_ratio: f64,
+    axial_play: f64,
+}
+
+/// One raceway.
+#[derive(Debug, Clone)]
+struct Groove {
+    /// 1 for the outer raceway, −1 for the inner one.
+    side: f64,
+    /// Radius of the circle of the groove's centres [m].
+    centre_radius: f64,
+    /// Distance of ball and groove centre at touch, (f − ½) d [m].
+    touch_distance: f64,
+    hertz: HertzContact,
+}
+
+/// One contact of a ball.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Touch {
+    /// [N]
+    pub(super) load: f64,
+    penetration: f64,
+    hertz_stiffness: f64,
+    /// Change of the penetration with the ball's place and with the pose of the ring.
+    pub(super) towards: [f64; UNKNOWNS],
+}
+
+/// The potential of a ball and of its contacts with its derivatives by the ball's place and the pose of the inner ring.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct BallSlopes {
+    /// [J]
+    pub(super) energy: f64,
+    pub(super) gradient: [f64; UNKNOWNS],
+    /// Lower triangle.
+    pub(super) hessian: [[f64; UNKNOWNS]; UNKNOWNS],
+    pub(super) inner: Touch,
+    pub(super) outer: Touch,
+}
+
+/// Axial and radial place of a ball relative to a ring, with derivatives by the unknowns.
+struct Meridian {
+    axial: f64,
+    radius: f64,
+    by: [(f64, f64); UNKNOWNS],
+    /// Lower triangle of second derivatives.
+    bend: [[(f64, f64); UNKNOWNS]; UNKNOWNS],
+}
+
+/// The axis of a tilted ring, with its first and second derivatives by β_y and β_z, in the inertial frame.
+pub(super) struct Axis {
+    along: Vector,
+    by: [Vector; 2],
+    /// By β_y twice, by both, by β_z twice.
+    bend: [Vector; 3],
+}
+
+impl Axis {
+    pub(super) fn new(pose: &Pose) -> Self {
+        let [along, to_y, _] = Tilt::new(pose[3], pose[4]).columns;
+        let (sine_y, cosine_y) = pose[3].sin_cos();
+        let (sine_z, cosine_z) = pose[4].sin_cos();
+        Self {
+            along,
+            by: [[-sine_y * cosine_z, 0.0, -cosine_y * cosine_z], to_y],
+            bend: [
+                [-cosine_y * cosine_z, 0.0, sine_y * cosine_z],
+                [sine_y * sine_z, 0.0, cosine_y * sine_z],
+                scale(-1.0, along),
+            ],
+        }
+    }
+
+    fn to_orbit(&self, azimuth: Azimuth) -> Self {
+        let turned = |v: &Vector| azimuth.to_orbit(*v);
+        Self { along: turned(&self.along), by: self.by.each_ref().map(turned), bend: self.bend.each_ref().map(turned) }
+    }
+}
+
+impl Meridian {
+    /// Relative to the outer ring, for a ball at an axial and a radial place [m].
+    fn of_outer(axial: f64, radius: f64) -> Self {
+        let mut by = [(0.0, 0.0); UNKNOWNS];
+        (by[0].0, by[1].1) = (1.0, 1.0);
+        Self { axial, radius, by, bend: [[(0.0, 0.0); UNKNOWNS]; UNKNOWNS] }
+    }
+
+    /// Relative to the inner ring. Vectors in the orbit frame; `from_centre`: from the ring's centre to the ball.
+    fn of_inner(from_centre: Vector, azimuth: Azimuth, axis: &Axis) -> Self {
+        let Axis { along, by, bend } = axis.to_orbit(azimuth);
+        let axial = dot(from_centre, along);
+        let radial = subtract(from_centre, scale(axial, along));
+        let radius = dot(radial, radial).sqrt();
+        let unit = |k: usize| -> Vector { from_fn(|other| if other == k { 1.0 } else { 0.0 }) };
+        let ring = |k: usize| scale(-1.0, azimuth.to_orbit(unit(k)));
+        let none = [0.0; 3];
+        // Changes of `from_centre` and of the axis by each unknown.
+        let moves = [unit(0), unit(1), ring(0), ring(1), ring(2), none, none];
+        let turns = [none, none, none, none, none, by[0], by[1]];
+        let axial_by: [f64; UNKNOWNS] = from_fn(|i| dot(moves[i], along) + dot(from_centre, turns[i]));
+        let radius_by: [f64; UNKNOWNS] = from_fn(|i| (dot(from_centre, moves[i]) - axial * axial_by[i]) / radius);
+        let second = |i: usize, j: usize| {
+            let of_axis = if j < OF_BALL + 3 { 0.0 } else { dot(from_centre, bend[i + j - 2 * (OF_BALL + 3)]) };
+            let axial_bend = dot(moves[i], turns[j]) + dot(moves[j], turns[i]) + of_axis;
+            let squares = dot(moves[i], moves[j]) - axial_by[i] * axial_by[j] - radius_by[i] * radius_by[j];
+            (axial_bend, (squares - axial * axial_bend) / radius)
+        };
+        let mut bends = [[(0.0, 0.0); UNKNOWNS]; UNKNOWNS];
+        for (i, row) in bends.iter_mut().enumerate() {
+            for (j, entry) in row[..=i].iter_mut().enumerate() {
+                *entry = second(i, j);
+            }
+        }
+        Self { axial, radius, by: from_fn(|i| (axial_by[i], radius_by[i])), bend: bends }
+    }
+}
+
+impl RingBearing {
+    pub fn new(bearing: &Bearing) -> Self {
+        let (parameters, hertz, centre) =
+            (&bearing.parameters, raceway_contacts(bearing), bearing.groove_centre_radius);
+        let diameter = parameters.ball_diameter;
+        let groove = |side: f64, hertz: HertzContact, centre_radius: f64, curvature: f64| Groove {
+            side,
+            centre_radius,
+            touch_distance: (curvature - 0.5) * diameter,
+            hertz,
+        };
+        Self {
+            inner: groove(-1.0, hertz.inner, centre.inner, parameters.groove_curvature.inner),
+            outer: groove(1.0, hertz.outer, centre.outer, parameters.groove_curvature.outer),
+            balls: parameters.ball_count,
+            places: PLACES,
+            pitch_radius: 0.5 * parameters.pitch_diameter,
+            ball_radius: 0.5 * diameter,
+            ball_mass: bearing.ball_mass,
+            orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
+            axial_play: bearing.groove_centre_distance * bearing.free_contact_angle.sin(),
+        }
+    }
+
+    /// Axial displacement of the centred inner ring at which a thrust first meets the balls, A sin α₀ [m].
+    pub fn axial_play(&self) -> f64 {
+        self.axial_play
+    }
+
+    /// Number of balls at all places.
+    pub(super) fn entries(&self) -> usize {
+        self.places * self.balls
+    }
+
+    /// Share of one place [-].
+    pub(super) fn share(&self) -> f64 {
+        1.0 / self.places as f64
+    }
+
+    /// Azimuth of a ball; the balls of one place after those of another, the first one beyond +Y by a share of the ball spacing.
+    pub(super) fn azimuth(&self, index: usize) -> Azimuth {
+        let beyond = (index / self.balls) as f64 * self.share();
+        Azimuth::new(TAU * ((index % self.balls) as f64 + beyond) / self.balls as f64)
+    }
+
+    /// Centrifugal force on a ball over the radius of its orbit [N/m], at a speed of the inner ring [rad/s].
+    pub(super) fn centrifugal(&self, speed: f64) -> f64 {
+        self.ball_mass * (self.orbit_ratio * speed) * (self.orbit_ratio * speed)
+    }
+
+    /// Penetration under a load over the ball's radius, the larger of both raceways [-].
+    pub(super) fn relative_depth(&self, load: f64) -> f64 {
+        let softest = self.inner.hertz.stiffness.min(self.outer.hertz.stiffness);
+        (load / softest).powf(2.0 / 3.0) / self.ball_radius
+    }
+
+    /// Place of a ball [m], axial and radius less the pitch radius, on the line between both grooves' centres.
+    pub(super) fn between_grooves(&self, azimuth: Azimuth, pose: &Pose) -> [f64; OF_BALL] {
+        let axis = azimuth.to_orbit(Axis::new(pose).along);
+        let centre = azimuth.to_orbit([pose[0], pose[1], pose[2]]);
+        // The circle of the inner groove's centres leans with the axis.
+        let inner = add(centre, scale(self.inner.centre_radius, [-axis[1], axis[0], 0.0]));
+        let share = self.outer.touch_distance / (self.outer.touch_distance + self.inner.touch_distance);
+        let radius = self.outer.centre_radius + share * (inner[1] - self.outer.centre_radius);
+        [share * inner[0], radius - self.pitch_radius]
+    }
+
+    /// Potential of a ball at a place [m], axial and radius less the pitch radius; `centrifugal` as [`RingBearing::centrifugal`] [N/m].
+    pub(super) fn ball(
+        &self,
+        azimuth: Azimuth,
+        axis: &Axis,
+        pose: &Pose,
+        [axial, radial]: [f64; OF_BALL],
+        centrifugal: f64,
+    ) -> BallSlopes {
+        let radius = self.pitch_radius + radial;
+        let centre = azimuth.to_orbit([pose[0], pose[1], pose[2]]);
+        let mut slopes = BallSlopes {
+            energy: -centrifugal * (self.pitch_radius + 0.5 * radial) * radial,
+            gradient: [0.0; UNKNOWNS],
+            hessian: [[0.0; UNKNOWNS]; UNKNOWNS],
+            inner: Touch::default(),
+            outer: Touch::default(),
+        };
+        slopes.gradient[1] = -centrifugal * radius;
+        slopes.hessian[1][1] = -centrifugal;
+        slopes.outer = slopes.add(&self.outer, &Meridian::of_outer(axial, radius));
+        let from_centre = subtract([axial, radius, 0.0], centre);
+        slopes.inner = slopes.add(&self.inner, &Meridian::of_inner(from_centre, azimuth, axis));
+        slopes
+    }
+}
+
+impl BallSlopes {
+    /// Adds a contact: Q δ_i to the gradient, Q' δ_i δ_j + Q δ_ij to the Hessian.
+    fn add(&mut self, groove: &Groove, at: &Meridian) -> Touch {
+        let radial = at.radius - groove.centre_radius;
+        let distance = at.axial.hypot(radial);
+        let penetration = distance - groove.touch_distance;
+        // A groove is an arc: beyond its centre there is no surface to touch.
+        if groove.side * radial <= 0.0 || penetration <= 0.0 {
+            return Touch::default();
+        }
+        let (sine, cosine) = (at.axial / distance, radial / distance);
+        let root = penetration.sqrt();
+        let load = groove.hertz.stiffness * penetration * root;
+        let slope = 1.5 * groove.hertz.stiffness * root;
+        let towards = at.by.map(|(axial, radius)| sine * axial + cosine * radius);
+        let across = at.by.map(|(axial, radius)| cosine * axial - sine * radius);
+        self.energy += 0.4 * load * penetration;
+        for i in 0..UNKNOWNS {
+            self.gradient[i] += load * towards[i];
+            for j in 0..=i {
+                let (axial, radius) = at.bend[i][j];
+                let bend = across[i] * across[j] / distance + sine * axial + cosine * radius;
+                self.hessian[i][j] += slope * towards[i] * towards[j] + load * bend;
+            }
+        }
+        Touch { load, penetration, hertz_stiffness: groove.hertz.stiffness, towards }
+    }
+
+    /// Stiffness by the pose of the inner ring alone, a pressed ball in equilibrium: the Schur complement H_rr − H_rb H_bb⁻¹ H_br.
+    pub(super) fn condensed(&self) -> Matrix {
+        let gives = self.gives();
+        let entry = |row: usize, column: usize| {
+            let (row, column) = (row.max(column), row.min(column));
+            let by_ball: f64 = (0..OF_BALL).map(|k| gives[row][k] * self.hessian[OF_BALL + column][k]).sum();
+            self.hessian[OF_BALL + row][OF_BALL + column] - by_ball
+        };
+        from_fn(|row| from_fn(|column| entry(row, column)))
+    }
+
+    /// Motion of the ball by each freedom of the inner ring with the sign changed, H_rb H_bb⁻¹.
+    fn gives(&self) -> [[f64; OF_BALL]; FREEDOMS] {
+        let ([first, _, ..], [between, second, ..]) = (self.hessian[0], self.hessian[1]);
+        let determinant = first * second - between * between;
+        from_fn(|row| {
+            let [by_axial, by_radial, ..] = self.hessian[OF_BALL + row];
+            [
+                (by_axial * second - by_radial * between) / determinant,
+                (by_radial * first - by_axial * between) / determinant,
+            ]
+        })
+    }
+
+    /// Damping by the pose of the inner ring alone at rates that leave a pressed ball in equilibrium.
+    pub(super) fn condensed_damping(&self, damping: &DampingFactor) -> Matrix {
+        let mut sum = Matrix::default();
+        let gives = self.gives();
+        for touch in [&self.inner, &self.outer] {
+            let coefficient = touch.damping(damping);
+            let towards: [f64; FREEDOMS] = from_fn(|row| {
+                touch.towards[OF_BALL + row] - gives[row][0] * touch.towards[0] - gives[row][1] * touch.towards[1]
+            });
+            for row in 0..FREEDOMS {
+                for column in 0..FREEDOMS {
+                    sum[row][column] += coefficient * towards[row] * towards[column];
+                }
+            }
+        }
+        sum
+    }
+}
+
+impl Touch {
+    /// Force against the rate of penetration at rest [N s/m].
+    pub(super) fn damping(&self, damping: &DampingFactor) -> f64 {
+        normal_slopes(self.hertz_stiffness, self.penetration, 0.0, damping).1
+    }
+}

@@ -1,0 +1,18 @@
+//! Quasi-static bearings: balls in equilibrium between an inner ring of five freedoms and the outer ring, at a speed.
+//!
+//! Freedoms stand in the order x, y, z, β_y, β_z: the displacement of the inner ring's centre from that of the outer ring [m], and the slopes
+//! β_y = −z′, β_z = y′ of its axis [rad]. Forces [N] and moments about the inner ring's centre [N m] stand in the same order. Raceways are ideal and
+//! balls alike. Balls bear centrifugal force; their weight and their gyroscopic moments are left out, and so are friction and lubricant films.
+
+mod ball;
+
+mod balance;
+
+pub mod ring;
+
+pub mod shaft;
+
+pub use ball::{Matrix, Pose, RingBearing, Wrench};
+
+#[cfg(test)]
+mod tests;

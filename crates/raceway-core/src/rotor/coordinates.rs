@@ -1,0 +1,164 @@
+//! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes.
+
+use nalgebra::DMatrix;
+
+use super::input::{Rotor, RotorError};
+use crate::physics::frame::mesh::{Matrices, Mesh};
+use crate::physics::frame::modes::FreeModes;
+use crate::physics::frame::support::{PORT, PortMatrix};
+
+/// The shaft over its coordinates: first those along X, then those in the plane of Y, then the same in that of Z. The mass is 1.
+#[derive(Debug, Clone)]
+pub struct Coordinates {
+    pub mesh: Mesh,
+    axial: Option<FreeModes>,
+    bending: FreeModes,
+    /// Polar inertia over the shapes of a plane.
+    pub polar: DMatrix<f64>,
+}
+
+impl Coordinates {
+    /// At most `count` flexible modes in each plane, and the static answers to supports, loads and gyroscopic moments.
+    pub fn of(rotor: &Rotor, mesh: Mesh, count: usize) -> Result<Self, RotorError> {
+        let Loads { axial: along, bending: mut across } = Loads::of(rotor, &mesh);
+        let axial = match rotor.shaft.is_axially_free {
+            true => Some(modes(&mesh.axial, count, |_| along)?),
+            false => None,
+        };
+        let bending = modes(&mesh.bending, count, |modes| {
+            // Gyroscopic moments of the lower half of the modes, rotation included.
+            let turning = modes.shapes[1..].iter().take(count / 2);
+            across.extend(turning.map(|shape| mesh.polar.times(shape)));
+            across
+        })?;
+        let polar = bending.projected(&mesh.polar);
+        Ok(Self { mesh, axial, bending, polar })
+    }
+
+    pub fn len(&self) -> usize {
+        self.axials() + 2 * self.laterals()
+    }
+
+    /// Number of coordinates along X.
+    pub fn axials(&self) -> usize {
+        self.axial.as_ref().map_or(0, FreeModes::len)
+    }
+
+    /// Number of coordinates in a plane.
+    pub fn laterals(&self) -> usize {
+        self.bending.len()
+    }
+
+    /// Stiffness, which is diagonal [1/s²].
+    pub fn squares(&self) -> impl Iterator<Item = f64> {
+        let axial = self.axial.iter().flat_map(|modes| &modes.squares);
+        axial.chain(&self.bending.squares).chain(&self.bending.squares).map(|square| square.max(0.0))
+    }
+
+    /// Angular frequency of the highest true mode in a plane [rad/s]; infinite where every mode is kept.
+    pub fn highest(&self) -> f64 {
+        let is_complete = self.bending.true_modes == 2 * self.mesh.nodes.len();
+        if is_complete { f64::INFINITY } else { self.bending.squares[self.bending.true_modes - 1].max(0.0).sqrt() }
+    }
+
+    /// Displacements x, y, z, β_y, β_z of a node, a row each, of the coordinates.
+    pub fn port(&self, node: usize) -> DMatrix<f64> {
+        let mut rows = DMatrix::zeros(PORT, self.len());
+        for (index, value) in self.axial.iter().flat_map(|modes| modes.row(node)).enumerate() {
+            rows[(0, index)] = value;
+        }
+        let (y, z) = (self.axials(), self.axials() + self.laterals());
+        for (index, (displacement, slope)) in self.bending.row(2 * node).zip(self.bending.row(2 * node + 1)).enumerate()
+        {
+            rows[(1, y + index)] = displacement;
+            rows[(2, z + index)] = displacement;
+            rows[(3, z + index)] = -slope;
+            rows[(4, y + index)] = slope;
+        }
+        rows
+    }
+
+    /// Forces on the coordinates of the weight along Y [N]. The first shape of a plane, its translation, takes all of it: the
+    /// others are orthogonal to a translation in the mass.
+    pub fn weight(&self, weight: f64) -> Vec<f64> {
+        let mut forces = vec![0.0; self.len()];
+        forces[self.axials()] = weight * self.bending.shapes[0][0];
+        forces
+    }
+
+    /// Forces on the coordinates of a force along X, Y, Z at any place of the shaft [N].
+    pub fn force(&self, at: f64, force: [f64; 3]) -> Vec<f64> {
+        let along = self.axial.iter().flat_map(|modes| modes.forces(&along(&self.mesh, at)));
+        let across = self.bending.forces(&self.mesh.force_at(at));
+        let mut forces: Vec<f64> = along.map(|share| share * force[0]).collect();
+        forces.extend(across.iter().map(|share| share * force[1]));
+        forces.extend(across.iter().map(|share| share * force[2]));
+        forces
+    }
+}
+
+/// Free modes and the residual vectors of loads, which may depend on the modes.
+fn modes(
+    chain: &Matrices,
+    count: usize,
+    loads: impl FnOnce(&FreeModes) -> Vec<Vec<f64>>,
+) -> Result<FreeModes, RotorError> {
+    let free = FreeModes::of(chain, count).ok_or(RotorError::Singular)?;
+    let loads = loads(&free);
+    free.with_residuals(chain, &loads).ok_or(RotorError::Singular)
+}
+
+/// Forces that stand for 1 N along X at a place, by the distance from the two nodes beside it.
+fn along(mesh: &Mesh, at: f64) -> Vec<f64> {
+    let shares = mesh.force_at(at);
+    (0..mesh.nodes.len()).map(|node| shares[2 * node]).collect()
+}
+
+/// Unit loads whose static answers the coordinates must hold.
+struct Loads {
+    axial: Vec<Vec<f64>>,
+    bending: Vec<Vec<f64>>,
+}
+
+impl Loads {
+    fn of(rotor: &Rotor, mesh: &Mesh) -> Self {
+        let unit = |size: usize, place: usize| (0..size).map(|i| f64::from(i == place)).collect::<Vec<f64>>();
+        let count = mesh.nodes.len();
+        let mut loads = Self { axial: Vec::new(), bending: Vec::new() };
+        for support in &rotor.supports {
+            let node = mesh.node(support.at);
+            let acts = |places: &[usize]| acts(&support.stiffness, places) || acts(&support.damping, places);
+            if acts(&[0]) {
+                loads.axial.push(unit(count, node));
+            }
+            if acts(&[1, 2]) {
+                loads.bending.push(unit(2 * count, 2 * node));
+            }
+            if acts(&[3, 4]) {
+                loads.bending.push(unit(2 * count, 2 * node + 1));
+            }
+        }
+        for node in rotor.bearings.iter().map(|bearing| mesh.node(bearing.at)) {
+            loads.axial.push(unit(count, node));
+            loads.bending.push(unit(2 * count, 2 * node));
+            loads.bending.push(unit(2 * count, 2 * node + 1));
+        }
+        // A disc at high speed holds its plane.
+        let turning = rotor.shaft.discs.iter().filter(|disc| disc.axial_inertia > 0.0);
+        loads.bending.extend(turning.map(|disc| unit(2 * count, 2 * mesh.node(disc.at) + 1)));
+        loads.bending.extend(rotor.unbalances.iter().map(|plane| unit(2 * count, 2 * mesh.node(plane.at))));
+        let centre = rotor.shaft.mass_centre();
+        if rotor.load[1] != 0.0 || rotor.load[2] != 0.0 {
+            loads.bending.push(mesh.force_at(centre));
+        }
+        if rotor.load[0] != 0.0 {
+            loads.axial.push(along(mesh, centre));
+        }
+        loads
+    }
+}
+
+/// Whether a matrix has an entry in these rows or columns.
+fn acts(matrix: &PortMatrix, places: &[usize]) -> bool {
+    places.iter().any(|&place| (0..PORT).any(|other| matrix[place][other] != 0.0 || matrix[other][place] != 0.0))
+}

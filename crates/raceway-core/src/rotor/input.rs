@@ -1,0 +1,95 @@
+//! What a rotor analysis is asked for.
+
+use nalgebra::DMatrix;
+
+use crate::physics::contact::damping::DampingFactor;
+use crate::physics::frame::disc::UnbalancePlane;
+use crate::physics::frame::shaft::Shaft;
+use crate::physics::frame::support::{PORT, Support};
+use crate::physics::statics::shaft::Mounted;
+
+/// Smallest stiffness of a rigid motion that holds it, relative to the largest [-]: below it, rounding decides.
+const LEAST_STIFFNESS: f64 = 1e-12;
+
+/// A ball bearing on a shaft.
+#[derive(Debug, Clone)]
+pub struct RotorBearing {
+    /// Place of its pocket plane along the shaft [m].
+    pub at: f64,
+    /// Bearing, facing and outer ring; its own position is that of `at`.
+    pub mounted: Mounted,
+    /// Damping of its contacts.
+    pub damping: DampingFactor,
+}
+
+/// A shaft on linear supports and ball bearings.
+#[derive(Debug, Clone)]
+pub struct Rotor {
+    pub shaft: Shaft,
+    pub unbalances: Vec<UnbalancePlane>,
+    pub supports: Vec<Support>,
+    pub bearings: Vec<RotorBearing>,
+    /// Operating speed [rad/s].
+    pub speed: f64,
+    /// Acceleration along +Y [m/s²].
+    pub gravity: f64,
+    /// Force on the mass centre along X, Y, Z [N].
+    pub load: [f64; 3],
+}
+
+impl Rotor {
+    /// Whether the supports' springs hold every rigid motion of the shaft. Bearings are left out.
+    pub fn is_restrained(&self) -> bool {
+        let (length, centre) = (self.shaft.length(), self.shaft.mass_centre());
+        let size = if self.shaft.is_axially_free { PORT } else { PORT - 1 };
+        let mut stiffness = DMatrix::<f64>::zeros(PORT, PORT);
+        for support in &self.supports {
+            // Displacements of the support from those of the mass centre; tilts times the length are displacements.
+            let arm = (support.at - centre) / length;
+            let mut rows = DMatrix::<f64>::identity(PORT, PORT);
+            (rows[(1, 4)], rows[(2, 3)]) = (arm, -arm);
+            (rows[(3, 3)], rows[(4, 4)]) = (1.0 / length, 1.0 / length);
+            let of_port = DMatrix::from_fn(PORT, PORT, |row, column| support.stiffness[row][column]);
+            stiffness += rows.transpose() * of_port * rows;
+        }
+        let symmetric = 0.5 * (&stiffness + stiffness.transpose());
+        let held = symmetric.view((PORT - size, PORT - size), (size, size)).into_owned();
+        let least = held.clone().symmetric_eigenvalues().min();
+        least > LEAST_STIFFNESS * held.amax()
+    }
+}
+
+/// Elements of the shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Elements {
+    /// Refined until the kept frequencies have converged.
+    Auto,
+    /// One for each section, divided only where something acts on the shaft.
+    Sections,
+}
+
+/// What is computed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    pub elements: Elements,
+    /// Speeds, rising, none negative [rad/s].
+    pub speeds: Vec<f64>,
+    /// Number of natural frequencies.
+    pub modes: usize,
+}
+
+/// Reason why there is no result.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum RotorError {
+    /// Supports and loaded bearings leave a motion of the shaft free, or push it away.
+    #[error(
+        "supports and loaded bearings do not restrain every motion of the shaft; a bearing without load has no stiffness"
+    )]
+    Unrestrained,
+    /// No position of the shaft was found at which the bearings carry its loads.
+    #[error("no static equilibrium of shaft and bearings was found at {0:.1} rad/s")]
+    NoEquilibrium(f64),
+    /// A shaft without mass, or with lengths too far apart for double precision.
+    #[error("the shaft has no free modes")]
+    Singular,
+}

@@ -1,0 +1,23 @@
+//! A shaft on its supports, linear about its operating point: natural frequencies and damping over speed, critical speeds, response
+//! to unbalance, static deflection. No time is stepped; a result takes milliseconds. Knows no JSON.
+//!
+//! The shaft's free modes and residual vectors are the coordinates: mass 1, stiffness diagonal, gyroscopic terms proportional to
+//! speed. Supports act on them through the displacements of their places.
+
+pub mod input;
+pub mod result;
+
+pub mod analysis;
+
+mod coordinates;
+mod operating;
+mod system;
+
+mod campbell;
+mod critical;
+mod deflection;
+mod shape;
+mod unbalance;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,52 @@
+//! Direction and shape of natural motions.
+
+use nalgebra::{Complex, DVector};
+
+use super::coordinates::Coordinates;
+use super::result::{Direction, Mode, ModePoint};
+use crate::numerics::quadratic_eigen::Oscillation;
+
+/// Frequency, damping and direction of an oscillation at a speed [rad/s].
+///
+/// A motion y + i z = F e^(iωt) + B e^(−iωt) has F = (Y + i Z)/2 and B = (Y* + i Z*)/2. The mass is 1 over the coordinates, so that
+/// sums of their squares are kinetic energies.
+pub fn point(oscillation: &Oscillation, coordinates: &Coordinates, speed: f64) -> ModePoint {
+    let (y, z) = (coordinates.axials(), coordinates.axials() + coordinates.laterals());
+    let vector = &oscillation.vector;
+    let turned = Complex::i();
+    let energy = |sign: f64| -> f64 {
+        (0..coordinates.laterals()).map(|k| (vector[y + k] + turned * sign * vector[z + k]).norm_sqr() / 2.0).sum()
+    };
+    let (forward, backward) = (energy(1.0), energy(-1.0));
+    let axial: f64 = vector.rows(0, y).norm_squared();
+    let lateral = forward + backward;
+    let forward_share = if lateral > 0.0 { forward / lateral } else { 0.5 };
+    let direction = match () {
+        () if axial > lateral => Direction::Axial,
+        () if speed == 0.0 => Direction::Planar,
+        () if forward > backward => Direction::Forward,
+        () => Direction::Backward,
+    };
+    let value = oscillation.value;
+    let forward_share = if speed == 0.0 { 0.5 } else { forward_share };
+    ModePoint { frequency: value.im, damping_ratio: -value.re / value.norm(), direction, forward_share }
+}
+
+/// The oscillation with the displacements of every node.
+pub fn mode(oscillation: &Oscillation, coordinates: &Coordinates, speed: f64) -> Mode {
+    let mut shape = displacements(&oscillation.vector, coordinates);
+    let largest = shape.iter().flatten().copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+    if let Some(largest) = largest.filter(|value| *value != Complex::ZERO) {
+        shape.iter_mut().flatten().for_each(|value| *value /= largest);
+    }
+    Mode { point: point(oscillation, coordinates, speed), shape }
+}
+
+/// Displacements x, y, z of every node.
+pub fn displacements(vector: &DVector<Complex<f64>>, coordinates: &Coordinates) -> Vec<[Complex<f64>; 3]> {
+    let of_node = |node: usize| {
+        let rows = coordinates.port(node);
+        [0, 1, 2].map(|row| rows.row(row).iter().zip(vector.iter()).map(|(share, value)| value * *share).sum())
+    };
+    (0..coordinates.mesh.nodes.len()).map(of_node).collect()
+}

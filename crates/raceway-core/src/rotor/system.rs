@@ -1,0 +1,183 @@
+//! Matrices of a rotor on its supports and bearings, as functions of speed.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::coordinates::Coordinates;
+use super::input::{Rotor, RotorError};
+use super::operating::{Frame, OperatingPoint, in_nalgebra, operating_point};
+use crate::numerics::quadratic_eigen::{Oscillation, oscillations};
+use crate::physics::frame::mesh::Mesh;
+
+/// q̈ + C(Ω) q̇ + K(Ω) q = f over the coordinates of the shaft.
+#[derive(Debug, Clone)]
+pub struct System {
+    pub coordinates: Coordinates,
+    /// Linear supports, then bearings.
+    pub ports: Vec<Port>,
+    /// Equilibrium at each of `speeds`; none without bearings.
+    pub operating: Vec<OperatingPoint>,
+    /// Speeds of the matrices, rising [rad/s]; one where nothing depends on speed.
+    speeds: Vec<f64>,
+    stiffness: Vec<DMatrix<f64>>,
+    damping: Vec<DMatrix<f64>>,
+    /// Factors of the speed: of the velocities (gyroscopic moments), and of the displacements (damping that turns along).
+    gyroscopic: DMatrix<f64>,
+    rotating: DMatrix<f64>,
+}
+
+/// A support or bearing, and the displacements of its place.
+#[derive(Debug, Clone)]
+pub struct Port {
+    pub rows: DMatrix<f64>,
+    /// At each speed of the system.
+    stiffness: Vec<DMatrix<f64>>,
+    damping: Vec<DMatrix<f64>>,
+}
+
+impl System {
+    /// At most `count` flexible modes in each plane. Bearings are in equilibrium at each of `speeds`; between them their matrices are
+    /// interpolated.
+    pub fn of(rotor: &Rotor, mesh: Mesh, count: usize, speeds: &[f64]) -> Result<Self, RotorError> {
+        let coordinates = Coordinates::of(rotor, mesh, count)?;
+        let squares = DVector::from_iterator(coordinates.len(), coordinates.squares());
+        let own_damping = squares.map(|square| 2.0 * rotor.shaft.damping_ratio * square.sqrt());
+        let (size, count) = (coordinates.len(), coordinates.laterals());
+        let (y, z) = (coordinates.axials(), coordinates.axials() + count);
+        let antisymmetric = |of_plane: &DMatrix<f64>| {
+            let mut whole = DMatrix::zeros(size, size);
+            whole.view_mut((y, z), (count, count)).copy_from(of_plane);
+            whole.view_mut((z, y), (count, count)).copy_from(&-of_plane);
+            whole
+        };
+        let gyroscopic = antisymmetric(&coordinates.polar);
+        let turning = own_damping.rows(y, count) * rotor.shaft.rotating_share;
+        let rotating = antisymmetric(&DMatrix::from_diagonal(&turning));
+        let speeds = if rotor.bearings.is_empty() { vec![0.0] } else { speeds.to_vec() };
+        let mut system = Self {
+            ports: ports(rotor, &coordinates),
+            coordinates,
+            operating: Vec::new(),
+            speeds,
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+            gyroscopic,
+            rotating,
+        };
+        let mut stiffness = DMatrix::from_diagonal(&squares);
+        let mut damping = DMatrix::from_diagonal(&own_damping);
+        for port in &system.ports[..rotor.supports.len()] {
+            stiffness += port.over_coordinates(&port.stiffness[0]);
+            damping += port.over_coordinates(&port.damping[0]);
+        }
+        system.add_bearings(rotor, stiffness, damping)?;
+        Ok(system)
+    }
+
+    /// Finds the equilibrium at each speed and adds the matrices of the bearings there.
+    fn add_bearings(
+        &mut self,
+        rotor: &Rotor,
+        stiffness: DMatrix<f64>,
+        damping: DMatrix<f64>,
+    ) -> Result<(), RotorError> {
+        if rotor.bearings.is_empty() {
+            (self.stiffness, self.damping) = (vec![stiffness], vec![damping]);
+            return Ok(());
+        }
+        let load = self.load(rotor);
+        let first = rotor.supports.len();
+        let rows: Vec<DMatrix<f64>> = self.ports[first..].iter().map(|port| port.rows.clone()).collect();
+        for speed in self.speeds.clone() {
+            let held = &stiffness + &self.rotating * speed;
+            let frame = Frame { stiffness: &held, load: &load, ports: &rows };
+            let point = operating_point(&frame, rotor, speed, self.operating.last())?;
+            let (mut whole_stiffness, mut whole_damping) = (stiffness.clone(), damping.clone());
+            for ((port, bearing), ring) in self.ports[first..].iter_mut().zip(&rotor.bearings).zip(&point.rings) {
+                let (k, c) = (ring.stiffness.mean, ring.damping(&bearing.damping));
+                port.stiffness.push(in_nalgebra(&bearing.mounted.along_shaft(&k)));
+                port.damping.push(in_nalgebra(&bearing.mounted.along_shaft(&c)));
+                whole_stiffness += port.over_coordinates(&port.stiffness[port.stiffness.len() - 1]);
+                whole_damping += port.over_coordinates(&port.damping[port.damping.len() - 1]);
+            }
+            self.stiffness.push(whole_stiffness);
+            self.damping.push(whole_damping);
+            self.operating.push(point);
+        }
+        Ok(())
+    }
+
+    /// Weight and loads over the coordinates.
+    pub fn load(&self, rotor: &Rotor) -> DVector<f64> {
+        let weight = self.coordinates.weight(rotor.shaft.mass() * rotor.gravity);
+        let load = self.coordinates.force(rotor.shaft.mass_centre(), rotor.load);
+        DVector::from_iterator(weight.len(), weight.iter().zip(&load).map(|(weight, load)| weight + load))
+    }
+
+    /// Stiffness K and damping C at a speed [rad/s].
+    ///
+    /// I_t β̈_y + I_p Ω β̇_z = M_y and I_t β̈_z − I_p Ω β̇_y = M_z. Damping c of the shaft that turns along acts on the velocity
+    /// against the turning shaft: −c (u̇ − Ω J u), J(y, z) = (−z, y).
+    pub fn matrices(&self, speed: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+        let (stiffness, damping) = (self.at(&self.stiffness, speed), self.at(&self.damping, speed));
+        (stiffness + &self.rotating * speed, damping + &self.gyroscopic * speed)
+    }
+
+    /// Stiffness and damping of a support or bearing at a speed [rad/s].
+    pub fn of_port(&self, port: &Port, speed: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+        (self.at(&port.stiffness, speed), self.at(&port.damping, speed))
+    }
+
+    /// The value at a speed, on a line between its neighbours, constant beyond the ends.
+    fn at(&self, values: &[DMatrix<f64>], speed: f64) -> DMatrix<f64> {
+        let next = self.speeds.partition_point(|known| *known < speed);
+        if values.len() == 1 || next == 0 {
+            return values[0].clone();
+        }
+        if next == values.len() {
+            return values[next - 1].clone();
+        }
+        let share = (speed - self.speeds[next - 1]) / (self.speeds[next] - self.speeds[next - 1]);
+        &values[next - 1] * (1.0 - share) + &values[next] * share
+    }
+
+    /// Stiffness of shaft, supports and bearings without rotating damping, with the speeds from and to which it may be used [rad/s].
+    pub fn stiffness_courses(&self) -> Vec<(DMatrix<f64>, [f64; 2])> {
+        if self.stiffness.len() == 1 {
+            return vec![(self.stiffness[0].clone(), [0.0, f64::INFINITY])];
+        }
+        let pairs = self.stiffness.windows(2).zip(self.speeds.windows(2));
+        pairs.map(|(pair, ends)| ((&pair[0] + &pair[1]) * 0.5, [ends[0], ends[1]])).collect()
+    }
+
+    /// Factor of the speed in the matrix of the velocities.
+    pub fn gyroscopic(&self) -> &DMatrix<f64> {
+        &self.gyroscopic
+    }
+
+    /// Every oscillation at a speed, slowest first.
+    pub fn oscillations(&self, speed: f64) -> Result<Vec<Oscillation>, RotorError> {
+        let (stiffness, damping) = self.matrices(speed);
+        oscillations(&stiffness, &damping).ok_or(RotorError::Unrestrained)
+    }
+}
+
+impl Port {
+    /// A matrix of the port over the coordinates.
+    fn over_coordinates(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
+        self.rows.transpose() * matrix * &self.rows
+    }
+}
+
+/// Supports with their matrices, then bearings without.
+fn ports(rotor: &Rotor, coordinates: &Coordinates) -> Vec<Port> {
+    let rows = |place: f64| coordinates.port(coordinates.mesh.node(place));
+    let supports = rotor.supports.iter().map(|support| Port {
+        rows: rows(support.at),
+        stiffness: vec![in_nalgebra(&support.stiffness)],
+        damping: vec![in_nalgebra(&support.damping)],
+    });
+    let bearings = rotor.bearings.iter();
+    supports
+        .chain(bearings.map(|bearing| Port { rows: rows(bearing.at), stiffness: Vec::new(), damping: Vec::new() }))
+        .collect()
+}

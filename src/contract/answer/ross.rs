@@ -1,0 +1,147 @@
+//! A rotor as a Python script for ROSS (ross-rotordynamics).
+
+use std::fmt::Write;
+
+use super::rotor_model::{ModelSupportAnswer, RotorModelAnswer};
+
+/// Versions of ROSS, which name the argument of tabulated coefficients differently.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RossVersion {
+    /// 2.x: `frequency`.
+    Two,
+    /// 3.x: `speed`.
+    Three,
+}
+
+impl RossVersion {
+    fn argument(self) -> &'static str {
+        match self {
+            Self::Two => "frequency",
+            Self::Three => "speed",
+        }
+    }
+}
+
+/// Axes of ROSS over displacements here: its x, y and z are y, z and x.
+const AXES: [(char, usize); 3] = [('x', 1), ('y', 2), ('z', 0)];
+
+/// The script. It builds `rotor`, and prints its results as JSON when it is run.
+///
+/// ROSS turns about its z axis, so that (x, y, z) there are (y, z, x) here; both are right-handed. Its bearing element has no tilt:
+/// entries of tilt are left out, and the script says so.
+pub fn script(model: &RotorModelAnswer, version: RossVersion) -> String {
+    let mut text = String::new();
+    // Writing to a string does not fail.
+    let _ = write_script(&mut text, model, version);
+    text
+}
+
+fn write_script(text: &mut String, model: &RotorModelAnswer, version: RossVersion) -> std::fmt::Result {
+    let release = if version == RossVersion::Two { "2" } else { "3" };
+    writeln!(
+        text,
+        "\"\"\"A rotor of raceway for ROSS {release}.x (ross-rotordynamics). SI; (x, y, z) here are (y, z, x) of raceway."
+    )?;
+    if let Some(dropped) = dropped(model) {
+        writeln!(text, "\n{dropped}")?;
+    }
+    writeln!(text, "\"\"\"\n\nimport json\n\nimport numpy as np\nimport ross as rs\n")?;
+    let shear_modulus = model.elastic_modulus_pa / (2.0 * (1.0 + model.poisson_ratio));
+    writeln!(
+        text,
+        "steel = rs.Material(name=\"Shaft\", rho={:?}, E={:?}, G_s={shear_modulus:?})",
+        model.density_kg_m3, model.elastic_modulus_pa
+    )?;
+    writeln!(text, "speeds = np.array({:?})  # rad/s", model.speeds_rad_s)?;
+    writeln!(text, "table = np.linspace(0.0, max(1.0, speeds[-1]), 4)  # speeds of the coefficients\n")?;
+    writeln!(text, "shaft = [")?;
+    for (node, element) in model.elements.iter().enumerate() {
+        writeln!(
+            text,
+            "    rs.ShaftElement(L={:?}, idl={1:?}, odl={2:?}, idr={1:?}, odr={2:?}, material=steel, n={node}),",
+            element.length_m, element.inner_diameter_m, element.outer_diameter_m
+        )?;
+    }
+    writeln!(text, "]\ndiscs = [")?;
+    for disc in &model.discs {
+        writeln!(
+            text,
+            "    rs.DiskElement(n={}, m={:?}, Id={:?}, Ip={:?}),",
+            disc.node, disc.mass_kg, disc.transverse_inertia_kg_m2, disc.axial_inertia_kg_m2
+        )?;
+    }
+    writeln!(text, "]\nbearings = [")?;
+    for support in &model.supports {
+        writeln!(text, "    rs.BearingElement(n={}{}),", support.node, coefficients(support, version))?;
+    }
+    writeln!(text, "]\nrotor = rs.Rotor(shaft, discs, bearings)\n\n")?;
+    writeln!(text, "def unbalance_response():")?;
+    writeln!(text, "    \"\"\"Amplitudes at all nodes and speeds for the unbalance planes.\"\"\"")?;
+    let of = |value: &dyn Fn(&super::rotor_model::ModelUnbalanceAnswer) -> String| {
+        model.unbalances.iter().map(value).collect::<Vec<_>>().join(", ")
+    };
+    writeln!(
+        text,
+        "    return rotor.run_unbalance_response(\n        node=[{}],\n        unbalance_magnitude=[{}],\n        unbalance_phase=[{}],\n        \
+         frequency=speeds,\n    )\n\n",
+        of(&|plane| plane.node.to_string()),
+        of(&|plane| format!("{:?}", plane.unbalance_kg_m)),
+        of(&|plane| format!("{:?}", plane.phase_rad)),
+    )?;
+    writeln!(text, "if __name__ == \"__main__\":")?;
+    writeln!(text, "    modal = [rotor.run_modal(speed=speed, num_modes={}) for speed in speeds]", 2 * MODES)?;
+    writeln!(
+        text,
+        "    print(json.dumps({{\"speeds_rad_s\": speeds.tolist(), \"wd\": [one.wd.tolist() for one in modal]}}))"
+    )
+}
+
+/// Natural frequencies that the script asks for at each speed.
+const MODES: usize = 12;
+
+/// Fewest speeds between which ROSS interpolates.
+const FEWEST_SPEEDS: usize = 4;
+
+/// Arguments of a bearing: its coefficients as a table over speed, a constant where there are too few speeds for one.
+fn coefficients(support: &ModelSupportAnswer, version: RossVersion) -> String {
+    let is_table = support.k.len() >= FEWEST_SPEEDS;
+    let mut text = String::new();
+    for (name, matrices) in [("k", &support.k), ("c", &support.c)] {
+        for (row, of_row) in AXES {
+            for (column, of_column) in AXES {
+                let values: Vec<f64> = matrices.iter().map(|matrix| matrix[of_row][of_column]).collect();
+                // Without kyy ROSS takes kxx in its place.
+                if row != column && values.iter().all(|value| *value == 0.0) {
+                    continue;
+                }
+                text += &match is_table {
+                    true => format!(", {name}{row}{column}={values:?}"),
+                    false => {
+                        format!(", {name}{row}{column}=np.full({FEWEST_SPEEDS}, {:?})", values.last().unwrap_or(&0.0))
+                    }
+                };
+            }
+        }
+    }
+    text + &format!(", {}={}", version.argument(), if is_table { "speeds" } else { "table" })
+}
+
+/// What ROSS cannot take, as a sentence.
+fn dropped(model: &RotorModelAnswer) -> Option<String> {
+    let tilts = |support: &&ModelSupportAnswer| {
+        let places = (0..5).flat_map(|row| (0..5).map(move |column| (row, column)));
+        let mut tilts = places.filter(|(row, column)| *row > 2 || *column > 2);
+        let of = |matrices: &[[[f64; 5]; 5]], row: usize, column: usize| {
+            matrices.iter().any(|matrix: &[[f64; 5]; 5]| matrix[row][column] != 0.0)
+        };
+        tilts.any(|(row, column)| of(&support.k, row, column) || of(&support.c, row, column))
+    };
+    let nodes: Vec<String> = model.supports.iter().filter(tilts).map(|support| support.node.to_string()).collect();
+    (!nodes.is_empty()).then(|| {
+        format!(
+            "Dropped: entries of tilt of the supports at node {}, which BearingElement does not take. The result of the job\nhas \
+             them in `model.supports`.",
+            nodes.join(", ")
+        )
+    })
+}
