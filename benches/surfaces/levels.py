@@ -6,8 +6,8 @@ Usage: python3 benches/surfaces/levels.py --binary BINARY --rows FILE [--count 6
 
 Each scene is one of benches/calibration/drawn.rs with drawn surfaces and, in every second one, a cage that is symmetric like those of two
 ribbons. It runs twice: kind `waves` has waves of raceways or balls, often with unequal balls and pockets, and kind `defect` has a defect of
-a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes the missing ones and those without a reference only.
-`--report` prints the table from the rows without a run; `--csv` also writes them as docs/data/surface-levels.csv has them.
+a raceway, too. What is admitted also runs on `full`. A later call with the same file of rows (JSON lines) computes only the missing ones and
+those without a reference. `--report` prints the table from the rows without a run; `--csv` also writes them as a file for docs/data.
 
   admitted   the selected level `radially_condensed` runs and its verification confirms it; all else is refused or carries a warning
   within     accelerations y and z within 0.05 dB of `full` with waves, within 0.2 dB with a defect; there, the first three envelope lines
