@@ -8,6 +8,9 @@ use crate::numerics::quadratic_eigen::Oscillation;
 
 /// Distance of two critical speeds, relative to them, at which their shapes are compared [-].
 const SAME_SPEED: f64 = 1e-7;
+/// Difference of frequency and speed at which a critical speed is found, relative to it [-]: rounding of frequencies of a soft shaft on stiff
+/// supports is 1e-10.
+const CONVERGED: f64 = 1e-9;
 /// Largest number of steps of the secant method.
 const MOST_STEPS: usize = 30;
 
@@ -90,12 +93,16 @@ fn refined(system: &System, speed: f64, start: Oscillation) -> Option<(f64, Osci
     };
     let (mut before, mut oscillation) = (speed, at(speed, &start)?);
     let mut excess = oscillation.value.im - speed;
+    // Between speeds closer than this a slope is rounding.
+    if excess.abs() <= CONVERGED * speed {
+        return Some((speed, oscillation));
+    }
     let mut speed = oscillation.value.im;
     for _ in 0..MOST_STEPS {
         let next = at(speed, &oscillation)?;
         let now = next.value.im - speed;
         oscillation = next;
-        if now.abs() <= 1e-11 * speed {
+        if now.abs() <= CONVERGED * speed {
             return Some((speed, oscillation));
         }
         let slope = (now - excess) / (speed - before);
