@@ -54,8 +54,8 @@ pub async fn analyse(
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    let analysed = computed(&permit, move |_| match contract::parse_rotor_request(&body)? {
-        Job::Rotor(rotor) => contract::execute_rotor(&rotor).map_err(refused),
+    let analysed = computed(&permit, move |stop| match contract::parse_rotor_request(&body)? {
+        Job::Rotor(rotor) => contract::execute_rotor(&rotor, stop).map_err(refused),
         _ => Err(ApiError::Internal),
     });
     Ok(Json(analysed.await??).into_response())

@@ -77,13 +77,13 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
             check_finite("accuracy", &answer)?;
             Ok(Outcome::Accuracy(Box::new(answer)))
         }
-        Job::Rotor(rotor) => Ok(Outcome::Rotor(Box::new(execute_rotor(rotor)?))),
+        Job::Rotor(rotor) => Ok(Outcome::Rotor(Box::new(execute_rotor(rotor, control.stop)?))),
     }
 }
 
-/// Analyses a rotor. Every number of the result is finite.
-pub fn execute_rotor(job: &RotorJob) -> Result<RotorAnswer, RunFailure> {
-    let answer = RotorAnswer::of(job)?;
+/// Analyses a rotor until `stop` returns true. Every number of the result is finite.
+pub fn execute_rotor(job: &RotorJob, stop: &dyn Fn() -> bool) -> Result<RotorAnswer, RunFailure> {
+    let answer = RotorAnswer::of(job, stop)?;
     check_finite("rotor", &answer)?;
     Ok(answer)
 }

@@ -73,9 +73,9 @@ pub enum WhirlName {
 pub struct OperatingAnswer {
     /// [r/min]
     pub speed_rpm: f64,
-    /// Whether every oscillation decays.
+    /// Whether every motion decays.
     pub is_stable: bool,
-    /// Largest growth rate of an oscillation [1/s]; negative: the slowest decay.
+    /// Largest growth rate of a motion, oscillating or not [1/s]; negative: the slowest decay.
     pub growth_rate_per_s: f64,
     /// The lowest natural motions.
     pub modes: Vec<ModeAnswer>,
@@ -202,15 +202,18 @@ pub struct DeflectionAnswer {
 
 impl RotorAnswer {
     /// Analyses the rotor of a job.
-    pub fn of(job: &RotorJob) -> Result<Self, RunFailure> {
-        let result = analyse(&job.rotor, &job.request).map_err(failure)?;
+    pub fn of(job: &RotorJob, stop: &dyn Fn() -> bool) -> Result<Self, RunFailure> {
+        let result = analyse(&job.rotor, &job.request, stop).map_err(failure)?;
         let model = RotorModelAnswer::of(job, &result);
         Ok(answer(job, &result, model))
     }
 }
 
 fn failure(error: RotorError) -> RunFailure {
-    RunFailure::Failed { cause: DID_NOT_CONVERGE, detail: error.to_string() }
+    match error {
+        RotorError::Stopped => RunFailure::Cancelled,
+        error => RunFailure::Failed { cause: DID_NOT_CONVERGE, detail: error.to_string() },
+    }
 }
 
 fn answer(job: &RotorJob, result: &RotorResult, model: RotorModelAnswer) -> RotorAnswer {

@@ -22,11 +22,25 @@ const CONVERGED: f64 = 1e-11;
 const MOST_ITERATIONS: usize = 6;
 const MOST_SHIFTS: usize = 6;
 
-/// Every oscillation, slowest first. `None` where the symmetric part of the stiffness is not positive definite: some motion is then
-/// not restrained.
+/// Every oscillation, slowest first. `None` where the symmetric part of the stiffness is not positive definite, so that some motion is
+/// not restrained, and where the eigenvalues do not converge.
 ///
 /// With K + Kᵀ = 2 L Lᵀ the state (Lᵀq, q̇) makes the matrix antisymmetric where nothing damps, so that it needs no balancing.
 pub fn oscillations(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<Oscillation>> {
+    let (values, factor) = eigenvalues(stiffness, damping)?;
+    let mut values: Vec<_> = values.into_iter().filter(|value| value.im > OSCILLATES * value.norm()).collect();
+    values.sort_by(|a, b| a.im.total_cmp(&b.im));
+    with_vectors(&values, &factor, stiffness, damping)
+}
+
+/// Largest growth rate of any motion, also of one that does not oscillate [1/s]; `None` as above.
+pub fn growth_rate(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<f64> {
+    let (values, _) = eigenvalues(stiffness, damping)?;
+    Some(values.iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// All eigenvalues, and L.
+fn eigenvalues(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<(Vec<Complex<f64>>, DMatrix<f64>)> {
     let size = stiffness.nrows();
     let factor = (0.5 * (stiffness + stiffness.transpose())).cholesky()?.l();
     let against = factor.solve_lower_triangular(&stiffness.transpose())?.transpose();
@@ -36,9 +50,7 @@ pub fn oscillations(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<
     state.view_mut((size, size), (size, size)).copy_from(&-damping);
     let most_sweeps = 60 * state.nrows();
     let values = Schur::try_new(state, f64::EPSILON, most_sweeps)?.complex_eigenvalues();
-    let mut values: Vec<_> = values.iter().copied().filter(|value| value.im > OSCILLATES * value.norm()).collect();
-    values.sort_by(|a, b| a.im.total_cmp(&b.im));
-    with_vectors(&values, &factor, stiffness, damping)
+    Some((values.iter().copied().collect(), factor))
 }
 
 /// The oscillations of eigenvalues: null vectors of T(λ), for equal eigenvalues orthogonal ones. They are sought as L⁻ᵀ p with

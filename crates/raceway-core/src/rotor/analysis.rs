@@ -24,16 +24,16 @@ const MOST_ELEMENTS: usize = 800;
 const RANGE: f64 = 3.0;
 const MORE_MODES: usize = 2;
 
-/// Analyses a rotor.
-pub fn analyse(rotor: &Rotor, request: &Request) -> Result<RotorResult, RotorError> {
-    let (operating_system, count) = system(rotor, request)?;
+/// Analyses a rotor. `stop` is polled for each mesh and each speed; true ends the analysis.
+pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<RotorResult, RotorError> {
+    let (operating_system, count) = system(rotor, request, stop)?;
     let mesh = operating_system.coordinates.mesh.clone();
     let system = match rotor.bearings.is_empty() {
         true => operating_system.clone(),
         false => System::of(rotor, mesh, count, &request.speeds)?,
     };
     let coordinates = &system.coordinates;
-    let courses = courses(&system, &request.speeds, request.modes)?;
+    let courses = courses(&system, &request.speeds, request.modes, stop)?;
     let of_course = |course: &Course| ModeCourse {
         points: course
             .iter()
@@ -42,7 +42,6 @@ pub fn analyse(rotor: &Rotor, request: &Request) -> Result<RotorResult, RotorErr
             .collect(),
     };
     let operating = operating_system.oscillations(rotor.speed)?;
-    let growth_rate = operating.iter().map(|oscillation| oscillation.value.re).fold(f64::NEG_INFINITY, f64::max);
     let highest = request.speeds.last().copied().unwrap_or_default();
     let criticals = criticals(&system, &request.speeds, &courses, highest)
         .into_iter()
@@ -58,7 +57,7 @@ pub fn analyse(rotor: &Rotor, request: &Request) -> Result<RotorResult, RotorErr
         coordinates: coordinates.len(),
         modes: courses.iter().map(of_course).collect(),
         operating_modes: operating.iter().take(request.modes).map(|o| mode(o, coordinates, rotor.speed)).collect(),
-        growth_rate,
+        growth_rate: operating_system.growth_rate(rotor.speed)?,
         criticals: criticals.collect(),
         stations: stations(rotor).into_iter().map(|at| of_station(&system, at, &responses)).collect(),
         supports: support_forces([&operating_system, &system], rotor, &rest, &request.speeds, &responses),
@@ -80,13 +79,16 @@ fn stations(rotor: &Rotor) -> Vec<f64> {
 
 /// Matrices about the operating point on a mesh that the asked-for frequencies no longer depend on, and the number of flexible modes in
 /// each plane.
-fn system(rotor: &Rotor, request: &Request) -> Result<(System, usize), RotorError> {
+fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(System, usize), RotorError> {
     let mut longest = match request.elements {
         Elements::Sections => f64::INFINITY,
         Elements::Auto => rotor.shaft.length() / FIRST_ELEMENTS,
     };
     let (mut system, mut frequencies, mut count) = on_mesh(rotor, longest, request.modes)?;
     while request.elements == Elements::Auto && 2 * system.coordinates.mesh.elements.len() <= MOST_ELEMENTS {
+        if stop() {
+            return Err(RotorError::Stopped);
+        }
         longest /= 2.0;
         let (finer, of_finer, of_count) = on_mesh(rotor, longest, request.modes)?;
         let is_close = |(coarse, fine): (&f64, &f64)| (coarse - fine).abs() < CONVERGED * fine;

@@ -15,11 +15,19 @@ const SAME_VALUE: f64 = 1e-6;
 pub type Course = Vec<Option<Oscillation>>;
 
 /// The `count` slowest oscillations of the first speed, over all speeds.
-pub fn courses(system: &System, speeds: &[f64], count: usize) -> Result<Vec<Course>, RotorError> {
+pub fn courses(
+    system: &System,
+    speeds: &[f64],
+    count: usize,
+    stop: &dyn Fn() -> bool,
+) -> Result<Vec<Course>, RotorError> {
     let mut first = system.oscillations(speeds[0])?;
     first.truncate(count);
     let mut courses: Vec<Course> = first.into_iter().map(|oscillation| vec![Some(oscillation)]).collect();
     for (index, speed) in speeds.iter().enumerate().skip(1) {
+        if stop() {
+            return Err(RotorError::Stopped);
+        }
         let (stiffness, damping) = system.matrices(*speed);
         let expected: Vec<_> = courses.iter().map(|course| expected(course, speeds, index)).collect();
         let next = match followed(&expected, &stiffness, &damping) {

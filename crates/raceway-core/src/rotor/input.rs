@@ -86,9 +86,17 @@ pub enum RotorError {
         "supports and loaded bearings do not restrain every motion of the shaft; a bearing without load has no stiffness"
     )]
     Unrestrained,
+    /// Stiffness and damping too far apart for double precision.
+    #[error(
+        "the eigenvalues of the rotor did not converge: a damper far above the critical damping of the shaft holds it; give it as stiffness"
+    )]
+    Unsolved,
     /// No position of the shaft was found at which the bearings carry its loads.
     #[error("no static equilibrium of shaft and bearings was found at {0:.1} rad/s")]
     NoEquilibrium(f64),
+    /// The caller no longer wants the result.
+    #[error("stopped")]
+    Stopped,
     /// A shaft without mass, or with lengths too far apart for double precision.
     #[error("the shaft has no free modes")]
     Singular,

@@ -18,7 +18,7 @@ pub struct RotorResult {
     pub modes: Vec<ModeCourse>,
     /// Shapes of these modes at the operating speed.
     pub operating_modes: Vec<Mode>,
-    /// Largest growth rate of any oscillation at the operating speed [1/s]; negative: all decay.
+    /// Largest growth rate of any motion at the operating speed [1/s]; negative: all decay.
     pub growth_rate: f64,
     pub criticals: Vec<Critical>,
     pub stations: Vec<StationResponse>,

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::coordinates::Coordinates;
 use super::input::{Rotor, RotorError};
 use super::operating::{Frame, OperatingPoint, in_nalgebra, operating_point};
-use crate::numerics::quadratic_eigen::{Oscillation, oscillations};
+use crate::numerics::quadratic_eigen::{Oscillation, growth_rate, oscillations};
 use crate::physics::frame::mesh::Mesh;
 
 /// q̈ + C(Ω) q̇ + K(Ω) q = f over the coordinates of the shaft.
@@ -157,8 +157,20 @@ impl System {
     /// Every oscillation at a speed, slowest first.
     pub fn oscillations(&self, speed: f64) -> Result<Vec<Oscillation>, RotorError> {
         let (stiffness, damping) = self.matrices(speed);
-        oscillations(&stiffness, &damping).ok_or(RotorError::Unrestrained)
+        oscillations(&stiffness, &damping).ok_or_else(|| unsolved(&stiffness))
     }
+
+    /// Largest growth rate of any motion at a speed [1/s]; negative: all decay.
+    pub fn growth_rate(&self, speed: f64) -> Result<f64, RotorError> {
+        let (stiffness, damping) = self.matrices(speed);
+        growth_rate(&stiffness, &damping).ok_or_else(|| unsolved(&stiffness))
+    }
+}
+
+/// Reason why a stiffness has no eigenvalues.
+fn unsolved(stiffness: &DMatrix<f64>) -> RotorError {
+    let is_restrained = (stiffness + stiffness.transpose()).cholesky().is_some();
+    if is_restrained { RotorError::Unsolved } else { RotorError::Unrestrained }
 }
 
 impl Port {
