@@ -126,7 +126,7 @@ fn coefficients(support: &ModelSupportAnswer, version: RossVersion) -> String {
     text + &format!(", {}={}", version.argument(), if is_table { "speeds" } else { "table" })
 }
 
-/// What ROSS cannot take, as a sentence.
+/// What the script leaves out, in sentences.
 fn dropped(model: &RotorModelAnswer) -> Option<String> {
     let tilts = |support: &&ModelSupportAnswer| {
         let places = (0..5).flat_map(|row| (0..5).map(move |column| (row, column)));
@@ -137,11 +137,20 @@ fn dropped(model: &RotorModelAnswer) -> Option<String> {
         tilts.any(|(row, column)| of(&support.k, row, column) || of(&support.c, row, column))
     };
     let nodes: Vec<String> = model.supports.iter().filter(tilts).map(|support| support.node.to_string()).collect();
-    (!nodes.is_empty()).then(|| {
+    let of_tilt = (!nodes.is_empty()).then(|| {
         format!(
             "Dropped: entries of tilt of the supports at node {}, which BearingElement does not take. The result of the job\nhas \
              them in `model.supports`.",
             nodes.join(", ")
         )
-    })
+    });
+    let of_shaft = (model.damping_ratio > 0.0).then(|| {
+        format!(
+            "Dropped: the damping of the shaft, a ratio of {} of its free modes. Modes are less damped here than in the result\nof \
+             the job, and responses near critical speeds are larger.",
+            model.damping_ratio
+        )
+    });
+    let sentences: Vec<String> = of_tilt.into_iter().chain(of_shaft).collect();
+    (!sentences.is_empty()).then(|| sentences.join("\n"))
 }

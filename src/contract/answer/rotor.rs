@@ -106,6 +106,8 @@ pub struct CriticalAnswer {
     pub whirl: WhirlName,
     /// Shape.
     pub shape: ShapeAnswer,
+    /// Longest half axis of the orbit by unbalance at this speed, at each place of `response` [µm]: peaks between the requested speeds.
+    pub major_um: Vec<f64>,
 }
 
 /// Displacements of the nodes, as amplitudes and phases; the largest is 1 with phase 0.
@@ -310,7 +312,14 @@ fn critical_answer(job: &RotorJob, critical: &Critical) -> CriticalAnswer {
         damping_ratio: critical.mode.point.damping_ratio,
         whirl: critical.mode.point.direction.into(),
         shape: shape_answer(job, &critical.mode.shape),
+        major_um: critical.displacement.iter().map(longest_um).collect(),
     }
+}
+
+/// Longest half axis of an orbit [µm]. y + i z is the sum of a forward and a backward circle.
+fn longest_um(displacement: &[Complex<f64>; 2]) -> f64 {
+    let (y, turned) = (displacement[0], Complex::<f64>::i() * displacement[1]);
+    UM.to_user(0.5 * ((y + turned).norm() + (y - turned).norm()))
 }
 
 fn shape_answer(job: &RotorJob, shape: &[[Complex<f64>; 3]]) -> ShapeAnswer {
@@ -328,18 +337,13 @@ fn shape_answer(job: &RotorJob, shape: &[[Complex<f64>; 3]]) -> ShapeAnswer {
 fn response_answer(at: f64, displacement: &[[Complex<f64>; 2]]) -> ResponseAnswer {
     let amplitude = |axis: usize| displacement.iter().map(|value| UM.to_user(value[axis].norm())).collect();
     let phase = |axis: usize| displacement.iter().map(|value| phase_deg(value[axis])).collect();
-    // y + i z is the sum of a forward and a backward circle.
-    let longest = |value: &[Complex<f64>; 2]| {
-        let (y, turned) = (value[0], Complex::<f64>::i() * value[1]);
-        0.5 * ((y + turned).norm() + (y - turned).norm())
-    };
     ResponseAnswer {
         at_mm: MM.to_user(at),
         y_um: amplitude(0),
         y_phase_deg: phase(0),
         z_um: amplitude(1),
         z_phase_deg: phase(1),
-        major_um: displacement.iter().map(|value| UM.to_user(longest(value))).collect(),
+        major_um: displacement.iter().map(longest_um).collect(),
     }
 }
 

@@ -18,6 +18,8 @@ pub struct RotorModelAnswer {
     pub poisson_ratio: f64,
     /// Density [kg/m³].
     pub density_kg_m3: f64,
+    /// Damping ratio of the free modes of the shaft [-].
+    pub damping_ratio: f64,
     /// Elements in their order; element k lies between the nodes k and k + 1.
     pub elements: Vec<ElementAnswer>,
     /// Discs.
@@ -91,6 +93,7 @@ impl RotorModelAnswer {
             elastic_modulus_pa: material.elastic_modulus,
             poisson_ratio: material.poisson_ratio,
             density_kg_m3: material.density,
+            damping_ratio: rotor.shaft.damping_ratio,
             elements: mesh
                 .elements
                 .iter()

@@ -43,9 +43,12 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
     };
     let operating = operating_system.oscillations(rotor.speed)?;
     let highest = request.speeds.last().copied().unwrap_or_default();
-    let criticals = criticals(&system, &request.speeds, &courses, highest)
-        .into_iter()
-        .map(|(speed, oscillation)| Critical { speed, mode: mode(&oscillation, coordinates, speed) });
+    let criticals = criticals(&system, &request.speeds, &courses, highest).into_iter().map(|(speed, oscillation)| {
+        let response = response(&system, &rotor.unbalances, speed);
+        let at = |at| displacement(&system, at, &response);
+        let displacement = stations(rotor).into_iter().map(at).collect();
+        Critical { speed, mode: mode(&oscillation, coordinates, speed), displacement }
+    });
     let responses: Vec<DVector<Complex<f64>>> =
         request.speeds.iter().map(|speed| response(&system, &rotor.unbalances, *speed)).collect();
     let rest = deflection(&operating_system, rotor)?;
@@ -119,12 +122,13 @@ fn on_mesh(rotor: &Rotor, longest: f64, modes: usize) -> Result<(System, Vec<f64
 }
 
 fn of_station(system: &System, at: f64, responses: &[DVector<Complex<f64>>]) -> StationResponse {
-    let rows = system.coordinates.port(system.coordinates.mesh.node(at)).map(Complex::from);
-    let displacement = responses.iter().map(|response| {
-        let port = &rows * response;
-        [port[1], port[2]]
-    });
-    StationResponse { at, displacement: displacement.collect() }
+    StationResponse { at, displacement: responses.iter().map(|response| displacement(system, at, response)).collect() }
+}
+
+/// Displacement along Y and Z at a place.
+fn displacement(system: &System, at: f64, response: &DVector<Complex<f64>>) -> [Complex<f64>; 2] {
+    let port = system.coordinates.port(system.coordinates.mesh.node(at)).map(Complex::from) * response;
+    [port[1], port[2]]
 }
 
 /// Forces of the shaft on each support and bearing. Systems: about the operating point, and over the speeds.

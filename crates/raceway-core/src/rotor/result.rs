@@ -75,6 +75,8 @@ pub struct Critical {
     /// [rad/s]
     pub speed: f64,
     pub mode: Mode,
+    /// Displacement by unbalance along Y and Z at each of the stations [m].
+    pub displacement: Vec<[Complex<f64>; 2]>,
 }
 
 /// Response to unbalance at a place of the shaft, for each requested speed.
