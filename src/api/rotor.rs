@@ -92,7 +92,7 @@ pub async fn result(
 #[into_params(parameter_in = Query)]
 pub struct RossQuery {
     /// Version of ROSS that the script is for. Default `2`.
-    #[param(inline = false)]
+    #[param(inline)]
     ross: Option<RossVersionName>,
 }
 
@@ -111,7 +111,7 @@ pub enum RossVersionName {
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/rotor.py", tag = openapi::RESULTS, operation_id = "getRotorScript",
     params(("id" = Uuid, Path, description = "The job, of kind `rotor`"), RossQuery),
-    responses((status = 200, description = "The script", body = String, content_type = "text/x-python"), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "The script", body = String, content_type = "text/x-python", example = json!("import numpy as np\nimport ross as rs\n…")), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn ross_script(
     State(app): State<App>,

@@ -22,6 +22,14 @@ JOBS = {
     "accuracy": {"kind": "accuracy", "scene": SCENE, "methods": ["gear", "dormand_prince"],
                  "relative_tolerances": [1e-3, 1e-4], "duration_s": 0.02},
 }
+ROTOR = {
+    "kind": "rotor",
+    "scene": {
+        "shaft": {"sections": [{"length_mm": 300, "outer_diameter_mm": 25}], "unbalances": [{"at_mm": 150, "unbalance_g_mm": 20}]},
+        "supports": [{"at_mm": at, "stiffness_n_per_um": [0, 50, 50], "damping_n_s_per_m": [0, 200, 200]} for at in (40, 260)],
+        "operation": {"speed_rpm": 12000}},
+    "speeds_rpm": {"from": 0, "to": 60000, "count": 3},
+}
 # Number of entries of a long list or map.
 SHOWN = 2
 MAPS = ("bearings", "materials", "lubricants", "channels", "best", "trends")
@@ -29,7 +37,9 @@ MAPS = ("bearings", "materials", "lubricants", "channels", "best", "trends")
 
 def shortened(answer, name=""):
     if isinstance(answer, list):
-        return [shortened(entry) for entry in answer[:SHOWN]]
+        # A vector stays whole.
+        is_vector = len(answer) == 3 and all(isinstance(entry, (int, float)) for entry in answer)
+        return answer if is_vector else [shortened(entry) for entry in answer[:SHOWN]]
     if isinstance(answer, dict):
         kept = list(answer)[:SHOWN] if name in MAPS else answer
         return {key: shortened(answer[key], key) for key in kept}
@@ -68,6 +78,10 @@ def recorded(running):
     running.ended(long)
     examples["resolveScene"] = {"200": answer("POST", "/v1/scenes/resolve", {"scene": SCENE})}
     examples["listPresets"] = {"200": answer("GET", "/v1/presets")}
+    examples["analyseRotor"] = {"200": answer("POST", "/v1/rotor", ROTOR)}
+    rotor = running.submit(ROTOR)[0]
+    running.ended(rotor)
+    examples["getRotor"] = {"200": answer("GET", f"{rotor}/rotor")}
     examples["isAlive"] = {"200": answer("GET", "/health/live")}
     examples["isReady"] = {"200": answer("GET", "/health/ready")}
     return examples

@@ -64,7 +64,7 @@ pub enum FacesName {
 pub struct OuterRingInput {
     /// Seat. Default `rigid`, the only one so far.
     #[schema(nullable = false)]
-    pub seat: Option<SeatName>,
+    pub seat: Option<OuterRingSeatName>,
     /// Displacement of the outer ring from the centred place.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -78,7 +78,7 @@ pub struct OuterRingInput {
 /// `rigid`: held in the ground. `elastic`, `sliding`: not supported yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum SeatName {
+pub enum OuterRingSeatName {
     Rigid,
     Elastic,
     Sliding,
@@ -198,7 +198,7 @@ impl RotorBearingInput {
 impl OuterRingInput {
     /// Pose of the outer ring.
     fn resolve(&mut self, defaults: &mut Defaults, at: &str) -> [f64; 5] {
-        if defaults.fill(format!("{at}/seat"), &mut self.seat, SeatName::Rigid) != SeatName::Rigid {
+        if defaults.fill(format!("{at}/seat"), &mut self.seat, OuterRingSeatName::Rigid) != OuterRingSeatName::Rigid {
             defaults.refuse(format!("{at}/seat"), "not supported yet: `rigid` is the only seat so far");
         }
         let mut take = |name: &str, field: &mut Option<f64>| {

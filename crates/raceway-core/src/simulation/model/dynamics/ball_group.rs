@@ -24,6 +24,19 @@ pub(super) struct Balls {
 }
 
 impl Balls {
+    /// Balls on a spindle that tilts, or not.
+    #[inline(always)]
+    pub(super) fn new(tilts: bool) -> Self {
+        let on_tilt = tilts.then(Default::default);
+        Self {
+            motion: BallMotion::default(),
+            rates: BallState::default(),
+            reaction: Reaction::default(),
+            on_tilt,
+            attitude: None,
+        }
+    }
+
     /// Adds the moments of the first `balls` lanes on a spindle that tilts, one ball after the other.
     #[inline(always)]
     pub(super) fn add_on_tilt(&self, sum: &mut Vector, balls: usize) {

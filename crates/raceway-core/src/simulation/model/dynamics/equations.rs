@@ -102,7 +102,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
         let border = self.border(layout.cage(y), layout.spindle(y), time);
         let (mut sum, mut on_tilt) = (Reaction::default(), [0.0; 3]);
-        let mut balls = Balls { on_tilt: self.on_tilt(), ..Balls::default() };
+        let mut balls = Balls::new(layout.tilting_spindle);
         for first in (0..layout.balls).step_by(LANES) {
             if first > 0 {
                 state = layout.side_by_side::<PLANAR>(y, first);
@@ -155,11 +155,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             true => Some(TiltedAxis::new(spindle.tilt, spindle.tilt_rate)),
             false => self.held_axis,
         }
-    }
-
-    /// Space for the moments of balls on a spindle that tilts.
-    pub(super) fn on_tilt(&self) -> Option<Vector<Lanes>> {
-        self.mechanism.layout.tilting_spindle.then(Default::default)
     }
 
     #[inline(always)]

@@ -69,7 +69,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             share.0[..count].fill(1.0);
             let own = layout.side_by_side::<PLANAR>(state, first);
             let attitude = layout.attitude.then(|| [layout.attitudes(state, first), BallAttitude::default()]);
-            let mut balls = Balls { on_tilt: self.on_tilt(), ..Balls::default() };
+            let mut balls = Balls::new(layout.tilting_spindle);
             let mut moved = balls;
             // Undisplaced first, then by one entry after the other.
             for displaced in std::iter::once(None).chain((0..block).map(Some)) {
@@ -126,7 +126,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let inner = self.inner_part(first, &balls, &at_rest).wrench;
             let pocket = self.pocket_part(first, &balls.motion, &at_rest.pose).0;
             for (column, displaced) in displaced.iter().enumerate() {
-                let mut reacting = Balls { reaction: balls.reaction, on_tilt: balls.on_tilt, ..Balls::default() };
+                let mut reacting = balls;
                 let reaction = &mut reacting.reaction;
                 let (was, is) = if column < layout.cage_size() {
                     let (wrench, force, moment) = self.pocket_part(first, &balls.motion, &displaced.pose);
