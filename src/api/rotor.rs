@@ -26,7 +26,7 @@ const PYTHON: &str = "text/x-python";
 /// Analyse a rotor
 ///
 /// Natural frequencies and damping over speed, critical speeds, response to unbalance, static deflection and support forces of a
-/// shaft. The answer comes at once; no job is created. The body is a job of kind `rotor`, which may leave out its kind.
+/// shaft. The answer comes at once; no job is created. The body is a job of kind `rotor`.
 #[utoipa::path(
     post, path = "/v1/rotor", tag = openapi::SCENES, operation_id = "analyseRotor",
     request_body(content = RotorInput, content_type = "application/json", example = json!({

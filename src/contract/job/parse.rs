@@ -88,9 +88,13 @@ pub fn parse_optimum_request(body: &[u8]) -> Result<Job, Refusal> {
     of_kind(JobKind::Optimum, strict::read(body)?)
 }
 
-/// Reads a rotor job, with or without its kind.
+/// Reads a rotor job. Its kind is required, as in other requests for a job.
 pub fn parse_rotor_request(body: &[u8]) -> Result<Job, Refusal> {
-    of_kind(JobKind::Rotor, strict::read(body)?)
+    let request = strict::read(body)?;
+    if request.is_object() && request.get("kind").is_none() {
+        return Err(FieldError::new("/kind", "required, but missing: `rotor`").into());
+    }
+    of_kind(JobKind::Rotor, request)
 }
 
 /// Checks a job of one kind, which the request may omit.

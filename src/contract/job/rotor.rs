@@ -42,7 +42,7 @@ pub struct RotorInput {
     #[schema(nullable = false)]
     pub speeds_rpm: Option<SpeedsInput>,
     /// Number of natural frequencies, the lowest at the first speed. Default 8.
-    #[serde(default, deserialize_with = "whole_number::<_, 1, 40>")]
+    #[serde(default, deserialize_with = "whole_number::<_, 1, 20>")]
     #[schema(nullable = false, example = 8)]
     pub modes: Option<u32>,
     /// Labels to find the job by: at most 16, each at most 200 characters.

@@ -109,12 +109,16 @@ fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(
 fn on_mesh(rotor: &Rotor, longest: f64, modes: usize) -> Result<(System, Vec<f64>, usize), RotorError> {
     let mesh = Mesh::new(&rotor.shaft, &stations(rotor), longest);
     let mut count = modes.div_ceil(2) + MORE_MODES;
+    let mut coordinates = 0;
     loop {
         let system = System::of(rotor, mesh.clone(), count, &[rotor.speed])?;
         let oscillations = system.oscillations(0.0)?;
         let frequencies: Vec<f64> = oscillations.iter().take(modes).map(|oscillation| oscillation.value.im).collect();
         let highest = frequencies.last().copied().unwrap_or_default();
-        if system.coordinates.highest() >= RANGE * highest {
+        // A coarse mesh has no more modes to give.
+        let has_all = system.coordinates.len() == coordinates;
+        coordinates = system.coordinates.len();
+        if has_all || system.coordinates.highest() >= RANGE * highest {
             return Ok((system, frequencies, count));
         }
         count += 2;
