@@ -49,7 +49,7 @@ const OF_A_ROTOR: [FieldLimits; 40] = [
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/count", 2.0, 1000.0, ""),
-    from("/modes", 1.0, 40.0, ""),
+    from("/modes", 1.0, 20.0, ""),
     from("/priority", 1.0, 4.0, ""),
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),

@@ -107,6 +107,9 @@ impl RotorSceneInput {
         let length_mm: f64 = self.shaft.sections.iter().map(|section| section.length_mm).sum();
         let (shaft, unbalances) = self.shaft.resolve(defaults, load[0]);
         let supports = self.supports.as_mut().map(|supports| supports::resolve(supports, defaults, length_mm));
+        if self.bearings.as_ref().is_some_and(Vec::is_empty) {
+            defaults.refuse("/scene/bearings", "0 items: must be from 1 to 8");
+        }
         let bearings = self.bearings.as_mut().map(|bearings| rotor_bearings::resolve(bearings, defaults, length_mm));
         let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
         let inputs = self.bearings.as_deref().unwrap_or_default();
