@@ -99,7 +99,7 @@ pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> 
     envelope(forward(&mut signal.to_vec()), n, rate, band, EnvelopeKind::Magnitude)
 }
 
-/// What the spectrum of an envelope is of. The square of the envelope of a few tones has no lines beyond their differences.
+/// Quantity whose spectrum is taken: the envelope, or its square. The square of the envelope of a few tones has no lines beyond their differences.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EnvelopeKind {
     /// Magnitude of the analytic signal.

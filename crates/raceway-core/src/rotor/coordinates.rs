@@ -108,7 +108,7 @@ fn modes(
     free.with_residuals(chain, &loads).ok_or(RotorError::Singular)
 }
 
-/// Forces that stand for 1 N along X at a place, by the distance from the two nodes beside it.
+/// Forces that stand for 1 N along X at a place, by its distance from the two neighbouring nodes.
 fn along(mesh: &Mesh, at: f64) -> Vec<f64> {
     let shares = mesh.force_at(at);
     (0..mesh.nodes.len()).map(|node| shares[2 * node]).collect()

@@ -36,7 +36,7 @@ pub fn criticals(system: &System, speeds: &[f64], courses: &[Course], highest: f
 
 /// Critical speeds without damping: a motion u e^(iΩt) solves K u = Ω² (1 − i G) u, a Hermitian problem whose positive
 /// eigenvalues 1/Ω² are all of them. The gyroscopic matrix at speed Ω is Ω G. Bearings change K with speed: each interval between
-/// two known speeds has its mean, and the criticals in or beside it.
+/// two known speeds has its mean, and the criticals in it or near its ends.
 fn undamped(system: &System) -> Vec<(f64, Oscillation)> {
     let courses = system.stiffness_courses();
     courses.into_iter().flat_map(|(stiffness, ends)| of_stiffness(system, stiffness, ends)).collect()
@@ -54,7 +54,7 @@ fn of_stiffness(system: &System, stiffness: DMatrix<f64>, [from, to]: [f64; 2]) 
     let Some(whole) = lower.solve_lower_triangular(&half.adjoint()) else { return Vec::new() };
     let eigen = SymmetricEigen::new(whole);
     let largest = eigen.eigenvalues.amax();
-    // The mean stiffness of the interval puts a critical near its end beside it.
+    // The mean stiffness of the interval moves a critical near its end across that end.
     let (from, to) = (from - (to - from), to + (to - from));
     let mut found = Vec::new();
     for (index, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > f64::EPSILON * largest) {
@@ -68,7 +68,7 @@ fn of_stiffness(system: &System, stiffness: DMatrix<f64>, [from, to]: [f64; 2]) 
     found
 }
 
-/// Where the frequency of a course passes the speed, between two neighbouring speeds.
+/// Speeds at which the frequency of a course equals the speed, between two neighbouring speeds.
 fn crossings(speeds: &[f64], courses: &[Course]) -> Vec<(f64, Oscillation)> {
     let mut found = Vec::new();
     for course in courses {

@@ -1,4 +1,4 @@
-//! What a rotor analysis is asked for.
+//! Input of a rotor analysis.
 
 use nalgebra::DMatrix;
 
@@ -68,7 +68,7 @@ pub enum Elements {
     Sections,
 }
 
-/// What is computed.
+/// Quantities and resolution of an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     pub elements: Elements,

@@ -22,7 +22,7 @@ pub struct RotorResult {
     pub growth_rate: f64,
     pub criticals: Vec<Critical>,
     pub stations: Vec<StationResponse>,
-    /// Of the linear supports, then of the bearings.
+    /// Forces of the linear supports, then of the bearings.
     pub supports: Vec<SupportForces>,
     pub bearings: Vec<BearingResult>,
     /// Static displacement x, y, z of each node at the operating speed [m].

@@ -267,7 +267,7 @@ fn supports_carry_weight_and_load() {
     assert!(middle[1] > result.deflection[4][1] && middle[2] < 0.0);
 }
 
-/// Halving the basis' range or the elements moves no kept frequency by more than what is stated.
+/// Halving the range of the basis or the elements moves no kept frequency by more than the stated share.
 #[test]
 fn automatic_elements_have_converged() {
     let mut rotor = disc_in_the_middle();

@@ -44,7 +44,7 @@ impl FreeModes {
         Some(Self { squares, shapes, true_modes })
     }
 
-    /// The same with the residual vectors of these loads.
+    /// Free modes with the residual vectors of these loads.
     pub(crate) fn with_residuals(mut self, chain: &Matrices, loads: &[Vec<f64>]) -> Option<Self> {
         let residuals = residual_vectors(chain, &shifted(chain)?, &self.shapes, loads);
         for (square, shape) in uncoupled(&chain.stiffness, residuals) {
@@ -156,7 +156,7 @@ fn lanczos(
 fn residual_vectors(chain: &Matrices, factor: &BandFactor, shapes: &[Vec<f64>], loads: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let mut known = shapes.to_vec();
     for load in loads {
-        // What the shapes do not take of the load.
+        // The load that the shapes leave over.
         let mut rest = load.clone();
         for shape in shapes {
             let (share, inertia) = (dot(shape, load), chain.mass.times(shape));

@@ -23,7 +23,7 @@ pub struct Shaft {
     pub damping_ratio: f64,
     /// Share of this damping that turns with the shaft, 0 … 1 [-].
     pub rotating_share: f64,
-    /// Whether the shaft may move and vibrate along X.
+    /// True where the shaft may move and vibrate along X.
     pub is_axially_free: bool,
 }
 

@@ -87,7 +87,7 @@ struct Meridian {
 pub(super) struct Axis {
     along: Vector,
     by: [Vector; 2],
-    /// By β_y twice, by both, by β_z twice.
+    /// Second derivatives: by β_y twice, by both angles, by β_z twice.
     bend: [Vector; 3],
 }
 

@@ -127,8 +127,8 @@ impl Recess {
         -self.height(0.0, 0.0)
     }
 
-    /// Time between the middle and the impacts beside it [s], where the ball meets the floor, or the ground beside a narrow defect, and leaves
-    /// it; 0 if it stays on the edges, with one impact in the middle. Infinite or not a number at rest.
+    /// Time between the middle and the two other impacts [s]: the ball meets and leaves the floor, or the ground next to a narrow defect.
+    /// 0 if it stays on the edges, with one impact in the middle. Infinite or not a number at rest.
     pub fn impact_beside_middle(&self) -> f64 {
         let PassingContact { half_width, speed, .. } = self.contact;
         match self.is_carried_between_edges() {

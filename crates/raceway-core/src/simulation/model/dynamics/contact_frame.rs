@@ -72,7 +72,7 @@ impl ContactFrame for StraightFrame {
 /// Axis of a ring that is tilted or tilts, in the inertial frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TiltedAxis {
-    /// Of length 1.
+    /// Unit vector along the axis.
     pub direction: Vector,
     /// Angular velocity of axes that tilt with the ring and do not turn about its axis [rad/s].
     pub tilting: Vector,

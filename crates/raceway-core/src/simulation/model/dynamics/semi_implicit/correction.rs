@@ -178,7 +178,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
     }
 
-    /// The same for balls of some size and mass.
+    /// Correction of balls of some size and mass.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn correct_bodies(
