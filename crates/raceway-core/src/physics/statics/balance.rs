@@ -20,9 +20,10 @@ pub enum NoBalance {
 }
 
 /// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
-const MAX_RELATIVE_DEPTH: f64 = 0.5;
-/// First step of a search from afar [m]: of the size of clearances.
-const FIRST_STEP: f64 = 1e-5;
+pub(crate) const MAX_RELATIVE_DEPTH: f64 = 0.5;
+/// First step of a search under the applied load [m]: of the size of clearances, because a longer step would penetrate the contacts far too deep
+/// and be rejected.
+pub(crate) const FIRST_STEP: f64 = 1e-5;
 
 /// A bearing whose pose follows the common freedoms: `base` and the sum of `by` times the freedoms.
 #[derive(Debug, Clone)]

@@ -4,14 +4,12 @@
 //! β_y = −z′, β_z = y′ of its axis [rad]. Forces [N] and moments about the inner ring's centre [N m] stand in the same order. Raceways are ideal and
 //! balls alike. Balls bear centrifugal force; their weight and their gyroscopic moments are left out, and so are friction and lubricant films.
 
-mod ball;
-
 mod balance;
-
+mod ball;
 pub mod ring;
-
 pub mod shaft;
 
+pub(crate) use balance::{FIRST_STEP, MAX_RELATIVE_DEPTH};
 pub use ball::{Matrix, Pose, RingBearing, Wrench};
 
 #[cfg(test)]

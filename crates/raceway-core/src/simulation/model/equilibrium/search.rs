@@ -7,6 +7,7 @@ use crate::numerics::minimum::{Potential, Search, Slopes};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
 use crate::physics::raceway::RacewayContact;
+use crate::physics::statics::{FIRST_STEP, MAX_RELATIVE_DEPTH};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::mechanism::Mechanism;
 
@@ -55,13 +56,6 @@ pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f6
     }
     Ok(stiffness)
 }
-
-/// Largest penetration over the ball's radius [-]: a little deeper, balls would pass through the raceways.
-const MAX_RELATIVE_DEPTH: f64 = 0.5;
-
-/// First step of the search under the applied load [m]: of the size of clearances, because a longer step would penetrate the contacts far
-/// too deep and be rejected.
-const FIRST_STEP: f64 = 1e-5;
 
 /// Most directions in which a spindle moves.
 const DIRECTIONS: usize = 5;
