@@ -73,7 +73,8 @@ fn accepted(job: &Job) {
             }
         }
         Job::Optimum(search) => assert!(search.most_runs() > 0),
-        Job::Simulation(_) | Job::Accuracy(_) => {}
+        // A rotor has no scene to resolve, and was left above.
+        Job::Simulation(_) | Job::Accuracy(_) | Job::Rotor(_) => {}
     }
 }
 
