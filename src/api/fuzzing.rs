@@ -18,11 +18,14 @@ use super::jobs::ShowQuery;
 use super::list_query::ListQuery;
 use super::request::{JobId, JsonBody, NoQuery, PlotFile, Query, header, negotiated};
 use super::results::{SeriesQuery, SpectrumQuery};
+use super::rotor::{PYTHON, RossQuery};
 use super::routes::document;
 use super::stored_answer::{CSV, JSON, NPY, SVG};
 use super::submission_headers::{idempotency_key, preferred_wait};
 use super::{conditional, error_layers, plots, portal};
-use crate::contract::{SeriesAnswer, SpectrumAnswer, SpectrumKind, parse_batch, parse_job, parse_scene_request};
+use crate::contract::{
+    SeriesAnswer, SpectrumAnswer, SpectrumKind, parse_batch, parse_job, parse_rotor_request, parse_scene_request,
+};
 
 /// The service.
 pub struct Service {
@@ -77,9 +80,11 @@ fn router() -> Router {
         .route("/v1/jobs/{id}/series", get(series))
         .route("/v1/jobs/{id}/plots/{file}", get(plot))
         .route("/v1/jobs/{id}/table", get(table))
+        .route("/v1/jobs/{id}/rotor.py", get(rotor_script))
+        .route("/v1/rotor", post(rotor))
         .route("/v1/scenes/resolve", post(resolve))
         .route("/portal/{*file}", get(portal::file));
-    for result in ["metrics", "channels", "accuracy", "optimum"] {
+    for result in ["metrics", "channels", "accuracy", "optimum", "rotor"] {
         router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(with_job));
     }
     for action in ["cancel", "resume"] {
@@ -121,6 +126,16 @@ async fn resolve(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody
     negotiated(&headers, &[JSON])?;
     parse_scene_request(&body)?;
     Ok(StatusCode::OK.into_response())
+}
+
+async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    parse_rotor_request(&body)?;
+    Ok(StatusCode::OK.into_response())
+}
+
+async fn rotor_script(headers: HeaderMap, _: JobId, _: Query<RossQuery>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[PYTHON]).map(|_| StatusCode::OK)
 }
 
 async fn show(headers: HeaderMap, JobId(id): JobId, _: Query<ShowQuery>) -> Result<Response, ApiError> {

@@ -21,7 +21,7 @@ use crate::contract::job::rotor::RotorInput;
 use crate::contract::{self, FieldError, Job, JobKind, Refusal, RotorAnswer, RunFailure};
 
 /// Media type of a script.
-const PYTHON: &str = "text/x-python";
+pub(super) const PYTHON: &str = "text/x-python";
 
 /// Analyse a rotor
 ///
