@@ -16,6 +16,7 @@ mod initial_perturbation;
 mod instructions;
 mod jacobian;
 mod ladder;
+mod loads;
 mod mirror_symmetry;
 mod momentum;
 mod neighbours;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
+use super::loads::{LoadAnswer, loads};
 use super::messages::{self, MessageAnswer};
 use super::report::{FrequenciesAnswer, LeftOutAnswer};
 use super::resonance::ResonanceAnswer;
@@ -122,6 +123,9 @@ pub struct DerivedAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub frequencies_loaded_inner_control_hz: Option<FrequenciesAnswer>,
+    /// Each of `operation.loads`; absent without any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<LoadAnswer>,
     /// Waves of the raceways as the contacts average them, what balls feel of defects, and the balls; absent where all raceways are ideal
     /// circles and all balls are alike.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -180,6 +184,7 @@ pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
         left_out: left_out(base),
         cost: cost::estimate(job),
         derived: DerivedAnswer {
+            loads: loads(base.scene()),
             surfaces: SurfacesAnswer::of(base.scene(), &base.terms),
             resonances: resonances(base),
             ..derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten())
@@ -228,12 +233,13 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         outer_stiffness_n_per_m1_5: stiffness.outer,
         dynamic_load_rating_n: rating,
         dynamic_load_rating_full_formula_n: dynamic_load_rating_full_formula(bearing),
-        axial_load_over_rating: scene.operation.load[0].abs() / rating,
+        axial_load_over_rating: scene.operation.start_load()[0].abs() / rating,
         free_contact_angle_deg: DEG.to_user(bearing.free_contact_angle),
         radial_clearance_um: UM.to_user(bearing.radial_clearance),
         frequencies_hz: ideal_frequencies(bearing, scene.operating_speed()).into(),
         frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
         frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
+        loads: Vec::new(),
         surfaces: None,
         resonances: Vec::new(),
         at_rest: at_rest.and_then(static_answer),

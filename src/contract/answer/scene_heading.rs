@@ -52,6 +52,12 @@ fn load(simulation: &Simulation) -> String {
     let parts = [(radial, "radial"), (newton(operation.axial_load_n), "axial")];
     let parts: Vec<String> =
         parts.iter().filter(|part| part.0 != 0.0).map(|(load, name)| format!("{} N {name}", grouped(*load))).collect();
+    let loads = match operation.loads.as_ref().map_or(0, Vec::len) {
+        0 => None,
+        1 => Some("1 further load".to_owned()),
+        several => Some(format!("{several} further loads")),
+    };
+    let parts: Vec<String> = parts.into_iter().chain(loads).collect();
     if parts.is_empty() { "no load".into() } else { parts.join(", ") }
 }
 

@@ -63,6 +63,7 @@ pub fn warnings(simulation: &Simulation, at_rest: Option<&StaticLoads>) -> Vec<F
             short(significant(RPM.to_user(speed.at(end).1), 4))
         )
     });
+    of_load_times(simulation, &mut warn);
     of_bearing(simulation.scene(), &mut warn);
     if simulation.terms.cage {
         of_cage(simulation.scene(), &mut warn);
@@ -105,6 +106,25 @@ pub fn warnings(simulation: &Simulation, at_rest: Option<&StaticLoads>) -> Vec<F
     found
 }
 
+/// Loads that change before or after the recorded time.
+fn of_load_times(simulation: &Simulation, warn: Warn<'_>) {
+    let (begin, loads) = (simulation.settings.settle, &simulation.scene().operation.loads);
+    let end = (begin + simulation.settings.duration) * (1.0 + 1e-5);
+    for (place, load) in loads.iter().enumerate() {
+        let Some(last) = load.end() else { continue };
+        warn(last > end, &format!("operation/loads/{place}"), &|| {
+            let (last, end) = (short(significant(last, 6)), short(significant(end, 4)));
+            format!("the load changes until {last} s, but the run ends at {end} s; increase duration_s")
+        });
+        warn(last < begin && load.is_shock(), &format!("operation/loads/{place}/shock"), &|| {
+            let (last, begin) = (short(significant(last, 6)), short(significant(begin, 4)));
+            format!(
+                "the shock ends at {last} s, before recording begins at {begin} s; reduce settle_s or increase at_s"
+            )
+        });
+    }
+}
+
 fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
     let operation = &scene.operation;
     let loads = || ["axial_load_n", "radial_load_y_n", "radial_load_z_n"].into_iter().zip(operation.load);
@@ -131,7 +151,7 @@ fn of_operation(scene: &Scene, at_rest: Option<&StaticLoads>, warn: Warn<'_>) {
             STATIC_PRESSURE_LIMIT / 1e6
         )
     });
-    let is_held = load != 0.0 || weight > 0.0 || scene.bearing.radial_clearance < 0.0;
+    let is_held = operation.start_load() != [0.0; 5] || weight > 0.0 || scene.bearing.radial_clearance < 0.0;
     warn(!is_held, "operation", &|| {
         "no load, no weight and no preload: nothing holds the spindle, and levels have little meaning".to_owned()
     });

@@ -10,7 +10,7 @@ use raceway_core::simulation::recording::sampling::RATE;
 use raceway_core::simulation::solve::eligibility::representative_time;
 use raceway_core::simulation::solve::startup::{settling_time, turning_time};
 
-/// Longest default recorded time of a speed profile [s].
+/// Longest default recorded time of profiles of speed and load [s].
 const MAX_PROFILE: f64 = 10.0;
 /// Turns of the cage in the default recorded time of surfaces that are not ideal, or balls or pockets that differ [-], and their longest time [s]: lines beside each other
 /// differ by the speed of the cage.
@@ -28,12 +28,16 @@ pub fn default_settle(scene: Option<&Scene>) -> f64 {
     turns.max(decayed)
 }
 
-/// Default recorded time after the settling time [s]: 20 ball passes, at least 0.1 s, up to the last point of a speed profile, and 10
-/// turns of the cage where a raceway is no circle, or balls or pockets differ.
+/// Default recorded time after the settling time [s]: 20 ball passes, at least 0.1 s, up to the last point of a speed profile, as long again
+/// after the last change of a load, and 10 turns of the cage where a raceway is no circle, or balls or pockets differ.
 pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
     let passes = scene.map_or(0.1, |scene| numbers::significant(representative_time(scene), 6));
     let changing = scene.map(|scene| &scene.operation.speed).filter(|speed| !speed.is_constant());
-    let profile = changing.map_or(0.0, |speed| speed.end() - settle).min(MAX_PROFILE);
+    let of_speed = changing.map_or(0.0, |speed| speed.end() - settle);
+    // What a load excites comes after it.
+    let of_loads =
+        scene.and_then(|scene| scene.operation.end_of_load_changes()).map_or(0.0, |end| end - settle + passes);
+    let profile = of_speed.max(of_loads).min(MAX_PROFILE);
     let is_uneven = |scene: &&Scene| !scene.surfaces.are_ideal() || scene.has_unequal_balls();
     let turns = match scene.filter(is_uneven).map(|scene| frequencies(scene).cage) {
         Some(cage) if cage > 0.0 => (SURFACE_TURNS / cage).min(MAX_SURFACE),

@@ -5,6 +5,9 @@ use raceway_core::physics::InvalidParameter;
 use super::problem::{FieldError, listed};
 use super::{limits, numbers, parameters};
 
+/// Parts of the scene with lists whose wrong items are left out.
+const PARTS_WITH_LISTS: [&str; 2] = ["/scene/surfaces/", "/scene/operation/loads/"];
+
 /// Fields that were left to their default, and the errors found so far.
 #[derive(Debug, Default)]
 pub struct Defaults {
@@ -111,12 +114,13 @@ impl Defaults {
     /// that was computed from a wrong value is wrong as well. Inconsistencies are not reported for values that are missing or replaced.
     pub fn into_result(mut self) -> Result<Vec<String>, Vec<FieldError>> {
         // A wrong item is left out of its list, so that the places of later ones differ from those of the request.
-        let is_of_surfaces = |error: &FieldError| error.pointer.starts_with("/scene/surfaces/");
-        let has_wrong_surfaces = self.errors.iter().any(is_of_surfaces);
+        let is_of = |error: &FieldError, part: &str| error.pointer.starts_with(part);
+        let wrong: Vec<&str> =
+            PARTS_WITH_LISTS.into_iter().filter(|part| self.errors.iter().any(|error| is_of(error, part))).collect();
         let is_requested = |error: &FieldError| {
             self.unread.is_empty()
                 && !(self.has_substitute && error.pointer.starts_with("/scene/bearing/"))
-                && !(has_wrong_surfaces && is_of_surfaces(error))
+                && !wrong.iter().any(|part| is_of(error, part))
         };
         self.errors.extend(self.inconsistent.into_iter().filter(is_requested));
         if self.errors.is_empty() && self.unread.is_empty() {

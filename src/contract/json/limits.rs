@@ -151,9 +151,11 @@ mod tests {
         // A choice and a list have no range.
         let lists = ["inner", "outer"]
             .map(|ring| ["waviness", "axial_waviness", "defects"].map(|list| format!("surfaces.{ring}.{list}")));
+        let of_loads = ["operation.loads", "operation.loads.direction", "operation.loads.points"];
         assert_eq!(without[..2], ["spindle.axial", "spindle.tilt"]);
+        assert_eq!(without[2..5], of_loads);
         let of_balls = ["balls.waviness", "balls.defects", "balls"].map(|list| format!("surfaces.{list}"));
-        assert_eq!(without[2..], [lists.concat(), of_balls.to_vec()].concat());
+        assert_eq!(without[5..], [lists.concat(), of_balls.to_vec()].concat());
         // A limit as it is shown is allowed, to the last bit, when it is sent back in the user's unit.
         for (parameter, pointer, unit) in parameters::fields() {
             let Some(limits) = limits_of(parameter) else { continue };

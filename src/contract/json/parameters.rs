@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 139] = [
+const FIELDS: [(&str, &str, Unit); 160] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -77,6 +77,27 @@ const FIELDS: [(&str, &str, Unit); 139] = [
     ("operation.axial_load", "/operation/axial_load_n", N),
     ("operation.radial_load_y", "/operation/radial_load_y_n", N),
     ("operation.radial_load_z", "/operation/radial_load_z_n", N),
+    ("operation.loads", "/operation/loads", NUMBER),
+    ("operation.loads.direction", "/operation/loads/direction", NUMBER),
+    ("operation.loads.points", "/operation/loads/points", NUMBER),
+    ("operation.loads.constant", "/operation/loads/constant_n", N),
+    ("operation.loads.constant_moment", "/operation/loads/constant_n_m", N_M),
+    ("operation.loads.points.at", "/operation/loads/points/at_s", S),
+    ("operation.loads.points.force", "/operation/loads/points/n", N),
+    ("operation.loads.points.moment", "/operation/loads/points/n_m", N_M),
+    ("operation.loads.harmonic.amplitude", "/operation/loads/harmonic/amplitude_n", N),
+    ("operation.loads.harmonic.moment_amplitude", "/operation/loads/harmonic/amplitude_n_m", N_M),
+    ("operation.loads.harmonic.frequency", "/operation/loads/harmonic/frequency_hz", HZ),
+    ("operation.loads.harmonic.order", "/operation/loads/harmonic/order", NUMBER),
+    ("operation.loads.harmonic.phase", "/operation/loads/harmonic/phase_deg", DEG),
+    ("operation.loads.rotating.amplitude", "/operation/loads/rotating/amplitude_n", N),
+    ("operation.loads.rotating.frequency", "/operation/loads/rotating/frequency_hz", HZ),
+    ("operation.loads.rotating.order", "/operation/loads/rotating/order", NUMBER),
+    ("operation.loads.rotating.phase", "/operation/loads/rotating/phase_deg", DEG),
+    ("operation.loads.shock.peak", "/operation/loads/shock/peak_n", N),
+    ("operation.loads.shock.moment_peak", "/operation/loads/shock/peak_n_m", N_M),
+    ("operation.loads.shock.at", "/operation/loads/shock/at_s", S),
+    ("operation.loads.shock.duration", "/operation/loads/shock/duration_s", S),
     ("operation.misalignment.y", "/operation/misalignment_mrad/y", MRAD),
     ("operation.misalignment.z", "/operation/misalignment_mrad/z", MRAD),
     ("operation.initial_perturbation.speed", "/operation/initial_perturbation/speed_mm_s", MM_S),
@@ -176,7 +197,7 @@ pub fn field_error(error: &InvalidParameter) -> FieldError {
 }
 
 /// Lists of the scene whose items are objects.
-const LISTS: [&str; 4] = ["waviness", "axial_waviness", "defects", "balls"];
+const LISTS: [&str; 5] = ["waviness", "axial_waviness", "defects", "balls", "loads"];
 
 /// A pointer with the places of items behind the lists on its path.
 fn with_items(pointer: &str, items: &[usize]) -> String {

@@ -9,12 +9,14 @@ use utoipa::ToSchema;
 
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::FieldError;
-use crate::contract::json::shapes::{ObjectOnly, optional_object, whole_number};
+use crate::contract::json::shapes::{ObjectOnly, optional_list, optional_object, whole_number};
 use crate::contract::json::{
     parameters,
     units::{MM_S, MRAD, RPM},
 };
-use raceway_core::physics::operation::{InitialPerturbation, MOST_POINTS, Operation, SpeedProfile};
+use crate::contract::scene::loads::{self, LoadInput};
+use raceway_core::physics::limits::MOST_POINTS;
+use raceway_core::physics::operation::{InitialPerturbation, Operation, SpeedProfile};
 
 /// Speed, loads, misalignment and initial perturbation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -31,6 +33,10 @@ pub struct OperationInput {
     /// Axial load on the spindle along +X [N]; requires a spindle that is free in axial direction. Default 0.
     #[schema(nullable = false)]
     pub axial_load_n: Option<f64>,
+    /// Loads beside these, constant or not, at most 32. Each acts at the centre of mass of the spindle.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 32)]
+    pub loads: Option<Vec<LoadInput>>,
     /// Imposed misalignment of the spindle.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -108,7 +114,8 @@ impl OperationInput {
             let seed = defaults.fill(pointer, &mut given.seed, 0);
             InitialPerturbation { speed: MM_S.to_si(given.speed_mm_s), seed: u64::from(seed) }
         });
-        Operation { speed, load, misalignment, perturbation }
+        let loads = loads::resolve(&mut self.loads, defaults);
+        Operation { speed, load, loads, misalignment, perturbation }
     }
 }
 

@@ -168,6 +168,7 @@ impl RotorBearingInput {
                 radial_load_y_n: None,
                 radial_load_z_n: None,
                 axial_load_n: None,
+                loads: None,
                 misalignment_mrad: None,
                 initial_perturbation: None,
             },

@@ -101,8 +101,8 @@ impl SceneInput {
         let cage = own.cage.get_or_insert_default();
         let pocket_deviations = cage.pocket_deviations(defaults);
         let cage = cage.resolve(defaults, &base_cage, materials.cage, lubricant.kind, damping.pocket);
-        let axial_load = self.operation.axial_load_n.unwrap_or_default();
-        let spindle = self.spindle.get_or_insert_default().resolve(defaults, base.spindle_mass_kg, axial_load);
+        let spindle =
+            self.spindle.get_or_insert_default().resolve(defaults, base.spindle_mass_kg, operation.acts_along_x());
         self.bearing = NameOr::Object(own);
         let raceway_damping = damping.raceway;
         SceneParameters {

@@ -21,7 +21,7 @@ pub struct SpindleInput {
     /// Balance quality grade G of ISO 21940: eccentricity times operating speed [mm/s].
     #[schema(nullable = false, example = 6.3)]
     pub balance_grade: Option<f64>,
-    /// Axial support. Default: `free` with an axial load, else `fixed`.
+    /// Axial support. Default: `free` with a load along X, else `fixed`.
     #[schema(nullable = false)]
     pub axial: Option<AxialInput>,
     /// Tilt about Y and Z: `held`, or `free`: the bearing alone holds it. Default: `held`, at `operation.misalignment_mrad`.
@@ -54,9 +54,9 @@ pub enum AxialInput {
 }
 
 impl SpindleInput {
-    pub fn resolve(&mut self, defaults: &mut Defaults, default_mass: f64, axial_load: f64) -> Spindle {
+    pub fn resolve(&mut self, defaults: &mut Defaults, default_mass: f64, acts_along_x: bool) -> Spindle {
         let mass = defaults.fill("/scene/spindle/mass_kg", &mut self.mass_kg, default_mass);
-        let usual = if axial_load == 0.0 { AxialInput::Fixed } else { AxialInput::Free };
+        let usual = if acts_along_x { AxialInput::Free } else { AxialInput::Fixed };
         let axial = defaults.fill("/scene/spindle/axial", &mut self.axial, usual);
         Spindle {
             mass,

@@ -1,4 +1,5 @@
 mod accepted;
+mod loads;
 mod optimum;
 mod refused;
 mod results;

@@ -7,8 +7,16 @@ const MAX_BALLS: f64 = 64.0;
 /// Largest angular speed accepted [rad/s]: 500 000 r/min.
 const MAX_SPEED: f64 = 500_000.0 * PI / 30.0;
 
+/// Highest frequency of a load [Hz]: five times that of the recorded band.
+pub const HIGHEST_FREQUENCY: f64 = 1e5;
+
 /// Highest order of a wave round a ring.
 const MAX_ORDER: f64 = 100_000.0;
+
+/// Largest number of points of a profile of speed or load.
+pub const MOST_POINTS: usize = 1000;
+/// Shortest time between two points of a profile [s].
+pub(crate) const SHORTEST_RAMP: f64 = 1e-9;
 
 /// The values that a parameter may take: `lowest ..= highest`, in SI. `exclusive`: the lowest itself is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,7 +39,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 85] = [
+const LIMITS: [Limits; 103] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -72,6 +80,24 @@ const LIMITS: [Limits; 85] = [
     within("operation.axial_load", -1e7, 1e7),
     within("operation.radial_load_y", -1e7, 1e7),
     within("operation.radial_load_z", -1e7, 1e7),
+    within("operation.loads.constant", -1e7, 1e7),
+    within("operation.loads.constant_moment", -1e6, 1e6),
+    within("operation.loads.points.at", 0.0, 1e6),
+    within("operation.loads.points.force", -1e7, 1e7),
+    within("operation.loads.points.moment", -1e6, 1e6),
+    within("operation.loads.harmonic.amplitude", 0.0, 1e7),
+    within("operation.loads.harmonic.moment_amplitude", 0.0, 1e6),
+    above("operation.loads.harmonic.frequency", 0.0, HIGHEST_FREQUENCY),
+    above("operation.loads.harmonic.order", 0.0, 1000.0),
+    within("operation.loads.harmonic.phase", -2.0 * PI, 2.0 * PI),
+    within("operation.loads.rotating.amplitude", 0.0, 1e7),
+    above("operation.loads.rotating.frequency", 0.0, HIGHEST_FREQUENCY),
+    above("operation.loads.rotating.order", 0.0, 1000.0),
+    within("operation.loads.rotating.phase", -2.0 * PI, 2.0 * PI),
+    within("operation.loads.shock.peak", -1e7, 1e7),
+    within("operation.loads.shock.moment_peak", -1e6, 1e6),
+    within("operation.loads.shock.at", 0.0, 1e6),
+    within("operation.loads.shock.duration", 1e-6, 1000.0),
     within("operation.misalignment.y", -0.02, 0.02),
     within("operation.misalignment.z", -0.02, 0.02),
     within("operation.initial_perturbation.speed", 0.0, 10.0),

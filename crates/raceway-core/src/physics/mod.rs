@@ -12,6 +12,7 @@ pub mod frames;
 pub mod kinematics;
 pub mod land;
 pub mod limits;
+pub mod loads;
 pub mod lubricant;
 pub mod material;
 pub mod neighbour;

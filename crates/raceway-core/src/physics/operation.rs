@@ -1,9 +1,13 @@
 //! Speed, loads and misalignment of the bearing.
 
+use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use super::frames::{Azimuth, Vector, scale};
-use super::limits::{Faults, InvalidParameter};
+use super::limits::{Faults, InvalidParameter, MOST_POINTS, SHORTEST_RAMP};
+use super::loads::{
+    Load, LoadDirection, MOST_LOADS, SpindleLoad, VaryingLoads, end_of_transients, start_and_largest_change,
+};
 use crate::numerics::random::SplitMix64;
 
 /// Spindle speed over time: constant, or straight lines between points, constant outside them.
@@ -16,11 +20,6 @@ pub struct SpeedProfile {
     /// Angle at time 0 since the first point [rad].
     first_angle: f64,
 }
-
-/// Largest number of points of a profile.
-pub const MOST_POINTS: usize = 1000;
-/// Shortest time between two points of a profile [s].
-const SHORTEST_RAMP: f64 = 1e-9;
 
 impl SpeedProfile {
     /// A constant angular speed [rad/s]; negative turns the other way.
@@ -148,8 +147,10 @@ impl InitialPerturbation {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
     pub speed: SpeedProfile,
-    /// Load on the spindle along X, Y, Z [N].
+    /// Constant load on the spindle along X, Y, Z [N].
     pub load: [f64; 3],
+    /// Loads beside it.
+    pub loads: Vec<Load>,
     /// Imposed tilt of the spindle about Y and about Z [rad].
     pub misalignment: [f64; 2],
     /// `None`, or with a speed of 0: a run starts from equilibrium.
@@ -162,11 +163,66 @@ impl Operation {
         faults.check("operation.axial_load", self.load[0]);
         faults.check("operation.radial_load_y", self.load[1]);
         faults.check("operation.radial_load_z", self.load[2]);
+        if self.loads.len() > MOST_LOADS {
+            faults.inconsistent("operation.loads", format!("{} loads; at most {MOST_LOADS}", self.loads.len()));
+        }
+        for (place, load) in self.loads.iter().enumerate().take(MOST_LOADS) {
+            load.check(place, self.speed.largest(), faults);
+        }
         faults.check("operation.misalignment.y", self.misalignment[0]);
         faults.check("operation.misalignment.z", self.misalignment[1]);
         if let Some(perturbation) = self.perturbation {
             faults.check("operation.initial_perturbation.speed", perturbation.speed);
         }
+    }
+
+    /// Loads at the start: forces along X, Y, Z [N], moments about Y and the new Z [N m]. Harmonic loads count with their mean.
+    pub fn start_load(&self) -> SpindleLoad {
+        let [x, y, z] = self.load;
+        let (start, _) = start_and_largest_change(&self.loads);
+        from_fn(|axis| [x, y, z, 0.0, 0.0][axis] + start[axis])
+    }
+
+    /// Largest differences of the loads from those at the start, in the order of `start_load`.
+    pub fn largest_change(&self) -> SpindleLoad {
+        start_and_largest_change(&self.loads).1
+    }
+
+    /// Largest magnitudes of the loads, in the order of `start_load`.
+    pub fn largest_load(&self) -> SpindleLoad {
+        let (start, change) = (self.start_load(), self.largest_change());
+        from_fn(|axis| start[axis].abs() + change[axis])
+    }
+
+    /// Returns true where a load acts along X.
+    pub fn acts_along_x(&self) -> bool {
+        self.load[0] != 0.0 || self.loads.iter().any(|load| load.direction() == Some(LoadDirection::X))
+    }
+
+    /// Changes of the loads since the start; `None`: they are constant.
+    pub fn varying_loads(&self) -> Option<VaryingLoads> {
+        VaryingLoads::of(&self.loads, self.speed.largest())
+    }
+
+    /// True where neither speed nor loads change but periodically, so that a part of the time can stand for all of it.
+    pub fn is_steady(&self) -> bool {
+        self.speed.is_constant() && end_of_transients(&self.loads).is_none()
+    }
+
+    /// Time of the last change of loads that are neither constant nor periodic [s]; `None`: there are none.
+    pub fn end_of_load_changes(&self) -> Option<f64> {
+        end_of_transients(&self.loads)
+    }
+
+    /// Frequencies of the harmonic loads at a speed of the spindle [rad/s], each above 0 [Hz].
+    pub fn load_frequencies(&self, speed: f64) -> impl Iterator<Item = f64> + '_ {
+        let harmonics = self.loads.iter().filter_map(Load::harmonic).filter(|harmonic| harmonic.amplitude != 0.0);
+        harmonics.map(move |harmonic| harmonic.frequency(speed)).filter(|frequency| *frequency > 0.0)
+    }
+
+    /// Period of the slowest harmonic load at the largest speed [s]; 0 without one.
+    pub fn longest_load_period(&self) -> f64 {
+        self.load_frequencies(self.speed.largest()).map(|frequency| 1.0 / frequency).fold(0.0, f64::max)
     }
 
     /// Perturbation of the start; `None` where it is 0.

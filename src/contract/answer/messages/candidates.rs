@@ -83,6 +83,7 @@ pub fn gap_text(gap: &Gap) -> String {
         Gap::MayTilt => "cage and balls may tilt in so viscous a lubricant at so low a speed".into(),
         Gap::HeavyCage => "a crown cage so heavy, or so far off its balls, may tilt them".into(),
         Gap::SpeedChanges => "the speed changes".into(),
+        Gap::LoadsChange => "a load changes".into(),
         Gap::ShortRecord => "the recorded time is shorter than its window".into(),
         Gap::Chaos => "neighbouring trajectories diverge".into(),
     }
@@ -95,6 +96,7 @@ fn ineligible(reason: Ineligible) -> &'static str {
         Ineligible::TermOn => "a term that it leaves out is on",
         Ineligible::Hydrodynamics => "hydrodynamic forces tilt balls and cage later than a verification shows",
         Ineligible::SpeedChanges => "the speed changes, and a verification shows nothing of later speeds",
+        Ineligible::LoadsChange => "a load changes, and a verification shows nothing of later loads",
         Ineligible::ShortRun => "verification would take too large a part of the run",
         Ineligible::MayTilt => {
             "cage and balls may tilt in so viscous a lubricant at so low a speed, which a planar verification does not show"

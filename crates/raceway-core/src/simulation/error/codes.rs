@@ -80,6 +80,8 @@ pub enum Gap {
     HeavyCage,
     /// The speed changes.
     SpeedChanges,
+    /// A load changes and does not repeat.
+    LoadsChange,
     /// The recorded time is shorter than a window of verification.
     ShortRecord,
     /// Neighbouring trajectories diverge.
@@ -210,6 +212,8 @@ pub enum Ineligible {
     Hydrodynamics,
     /// The speed changes: a window shows nothing of later speeds.
     SpeedChanges,
+    /// A load changes and does not repeat: a window shows nothing of later loads.
+    LoadsChange,
     /// The window of verification would be too large a part of the run.
     ShortRun,
     /// The lubricant is so viscous at this speed that cage and balls may tilt, which a planar window does not show.

@@ -57,7 +57,7 @@ pub struct DivergenceEstimate {
     /// Mean size of the disturbance in the later half over its initial size [e-folds].
     pub growth: f64,
     /// The speed is constant. Only then are parts of the run samples of one motion.
-    pub is_at_constant_speed: bool,
+    pub is_steady: bool,
 }
 
 impl DivergenceEstimate {
@@ -70,7 +70,7 @@ impl DivergenceEstimate {
 
     /// True if the motion is chaotic at constant speed, so that its statistics are the answer and not its course.
     pub fn is_chaotic(&self) -> bool {
-        self.is_at_constant_speed && self.motion() == Some(MotionKind::Diverging)
+        self.is_steady && self.motion() == Some(MotionKind::Diverging)
     }
 
     /// True if trajectories may diverge over a longer time [s], although they have not yet diverged.
@@ -118,13 +118,13 @@ pub(crate) fn of_signals(
             // The trajectories are independent, whatever the course of growth was.
             let over = values as f64 / rate;
             let rate = late.max((FOLDS + growth).max(FOLDS) / over);
-            DivergenceEstimate { rate, over, growth, is_at_constant_speed: true }
+            DivergenceEstimate { rate, over, growth, is_steady: true }
         }
         _ => DivergenceEstimate {
             rate: late,
             over: values as f64 / rate,
             growth: late_mean(&logarithms) - disturbance.ln(),
-            is_at_constant_speed: true,
+            is_steady: true,
         },
     }
 }
@@ -155,14 +155,14 @@ pub(crate) fn divergence_rate(
     let twice = |of: &[f64]| pair.joined(of, of);
     let tolerances = Tolerances { relative: twice(&one.relative), absolute: twice(&one.absolute) };
     let mut integrator = judging(settings.method).start(&pair, begin, &start, tolerances, settings.fixed_step);
-    if model.mechanism().speed.kinks().any(|kink| kink == begin) {
+    if model.mechanism().kinks().contains(&begin) {
         integrator.restart();
     }
     // The pair has no fixed steps of its own.
     let is_controlled = settings.fixed_step.is_none() || settings.method == Method::SemiImplicit;
-    let is_at_constant_speed = model.mechanism().speed.is_constant();
+    let is_steady = model.mechanism().is_steady();
     let last = (settings.settle + settings.duration).max(begin + stretch);
-    let stretch = if is_at_constant_speed { stretch } else { last - begin };
+    let stretch = if is_steady { stretch } else { last - begin };
     let spacing = stretch / SAMPLES as f64;
     let (mut times, mut logarithms) = (Vec::new(), Vec::new());
     let mut state = start.clone();
@@ -172,7 +172,7 @@ pub(crate) fn divergence_rate(
         for stop in stops(model, integrator.time(), end) {
             while integrator.time() < stop {
                 let mut end = stop;
-                if model.mechanism().has_defects() && is_controlled {
+                if model.mechanism().limits_steps() && is_controlled {
                     pair.take(0, integrator.state(), &mut straight);
                     end = end_of_step(model.mechanism(), integrator.time(), &straight, stop);
                 }
@@ -191,7 +191,7 @@ pub(crate) fn divergence_rate(
                     pair.take(1, &state, &mut disturbed);
                     let squares: f64 = (0..n).map(|i| ((disturbed[i] - straight[i]) / sizes[i]).powi(2)).sum();
                     let distance = (squares / n as f64).sqrt();
-                    if distance > SATURATED && is_at_constant_speed {
+                    if distance > SATURATED && is_steady {
                         // The larger of the mean rate and the latest rate counts.
                         let mean = (distance / DISTURBANCE).ln() / (time - begin);
                         let growth = (distance / DISTURBANCE).ln();
@@ -199,13 +199,13 @@ pub(crate) fn divergence_rate(
                             rate: late_slope(&times, &logarithms).max(mean),
                             over: time.max(begin + stretch) - begin,
                             growth,
-                            is_at_constant_speed,
+                            is_steady,
                         });
                     }
                     if distance == 0.0 {
                         let rate = late_slope(&times, &logarithms);
                         let growth = f64::MIN;
-                        return Ok(DivergenceEstimate { rate, over: stretch, growth, is_at_constant_speed });
+                        return Ok(DivergenceEstimate { rate, over: stretch, growth, is_steady });
                     }
                     times.push(time);
                     logarithms.push(distance.ln());
@@ -217,8 +217,8 @@ pub(crate) fn divergence_rate(
         }
         let growth = late_mean(&logarithms) - DISTURBANCE.ln();
         let over = end - begin;
-        let rate = if is_at_constant_speed { late_slope(&times, &logarithms) } else { growth / over };
-        let parted = DivergenceEstimate { rate, over, growth, is_at_constant_speed };
+        let rate = if is_steady { late_slope(&times, &logarithms) } else { growth / over };
+        let parted = DivergenceEstimate { rate, over, growth, is_steady };
         let might_grow = parted.rate * (last - begin) > FOLDS;
         if end >= last || !might_grow || parted.motion() == Some(MotionKind::Diverging) {
             return Ok(parted);

@@ -8,6 +8,7 @@ use crate::physics::cage::CageParameters;
 use crate::physics::contact::damping::DampingLaw;
 use crate::physics::defaults::{GRAVITY, RACEWAY_DAMPING};
 use crate::physics::limits::Faults;
+use crate::physics::loads::LoadDirection;
 use crate::physics::lubricant::Lubricant;
 use crate::physics::operation::{Operation, SpeedProfile};
 use crate::physics::presets::{self, BearingPreset};
@@ -145,6 +146,7 @@ impl Scene {
                 format!("an axial load of {load} N acts only on a spindle whose axial direction is free"),
             );
         }
+        check_directions(&p, &mut faults);
         if p.spindle.tilt != SpindleTilt::Held && p.operation.misalignment != [0.0; 2] {
             faults.inconsistent("spindle.tilt", "a spindle that tilts freely takes no imposed misalignment".to_owned());
         }
@@ -180,6 +182,7 @@ impl Scene {
             operation: Operation {
                 speed: SpeedProfile::constant(speed)?,
                 load,
+                loads: Vec::new(),
                 misalignment: [0.0; 2],
                 perturbation: None,
             },
@@ -200,6 +203,24 @@ impl Scene {
     /// Angular speed that grades, films and ideal kinematics refer to: the largest of the profile [rad/s].
     pub fn operating_speed(&self) -> f64 {
         self.operation.speed.largest()
+    }
+}
+
+/// Refuses loads along or about directions in which the spindle is held.
+fn check_directions(p: &SceneParameters, faults: &mut Faults) {
+    const DIRECTION: &str = "operation.loads.direction";
+    for (place, load) in p.operation.loads.iter().enumerate() {
+        match load.direction() {
+            Some(LoadDirection::X) if p.spindle.axial != AxialHold::Free => {
+                let reason = "a load along X acts only on a spindle whose axial direction is free".to_owned();
+                faults.inconsistent_item(DIRECTION, &[place], reason);
+            }
+            Some(direction) if direction.is_moment() && p.spindle.tilt == SpindleTilt::Held => {
+                let reason = "a moment acts only on a spindle whose tilt is free".to_owned();
+                faults.inconsistent_item(DIRECTION, &[place], reason);
+            }
+            _ => {}
+        }
     }
 }
 

@@ -72,6 +72,8 @@ pub enum Inapplicable {
     ChannelAlongX,
     #[error("the speed changes")]
     SpeedChanges,
+    #[error("a load varies (operation.loads), and not with every ball")]
+    LoadsVary,
     #[error("nothing turns")]
     AtRest,
     #[error("unbalance turns with the spindle and not with the balls")]

@@ -64,14 +64,14 @@ pub(crate) struct Integrated {
     pub unstable: Option<UnstableStep>,
 }
 
-/// Times at which steps end exactly: kinks of the speed between two times, and the later one [s].
+/// Times at which steps end exactly: kinks of speed and loads between two times, and the later one [s].
 pub(crate) fn stops(model: &Model, from: f64, to: f64) -> Vec<f64> {
-    let kinks = model.mechanism().speed.kinks().filter(|kink| *kink > from && *kink < to);
+    let kinks = model.mechanism().kinks().into_iter().filter(|kink| *kink > from && *kink < to);
     kinks.chain([to]).collect()
 }
 
-/// Integrates a span and passes the integrator to `after_step` after each step. Steps end exactly where the speed profile has a
-/// kink, and the method starts again there.
+/// Integrates a span and passes the integrator to `after_step` after each step. Steps end exactly where the speed or a load
+/// has a kink, and the method starts again there.
 pub(crate) fn integrate(
     model: &Model,
     start: &[f64],
@@ -86,7 +86,7 @@ pub(crate) fn integrate(
     let mut watch = stepping.fixed_step.map(StabilityWatch::new);
     let mut checkpoint = start.to_vec();
     let stops = stops(model, span.start, span.end);
-    if model.mechanism().speed.kinks().any(|kink| kink == span.start) {
+    if model.mechanism().kinks().contains(&span.start) {
         integrator.restart();
     }
     let mut next_poll = EVALUATIONS_PER_POLL;

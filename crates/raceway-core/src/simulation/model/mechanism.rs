@@ -8,6 +8,8 @@ use crate::physics::drag::Drag;
 use crate::physics::frames::{Azimuth, Vector};
 use crate::physics::kinematics;
 use crate::physics::land::Land;
+use crate::physics::limits::SHORTEST_RAMP;
+use crate::physics::loads::{SpindleLoad, VaryingLoads};
 use crate::physics::neighbour::NeighbourContact;
 use crate::physics::operation::{InitialPerturbation, SpeedProfile};
 use crate::physics::pocket::Pocket;
@@ -75,8 +77,12 @@ pub struct Mechanism {
     pub axial_offset: f64,
     /// Imposed tilt of the spindle about Y and Z [rad].
     pub misalignment: [f64; 2],
-    /// Load on the spindle [N].
+    /// Load on the spindle at the start [N].
     pub load: Vector,
+    /// Moment on the spindle at the start, about Y and the new Z [N m].
+    pub moment: [f64; 2],
+    /// Changes of load and moment since the start; `None`: they are constant.
+    pub(crate) varying_loads: Option<VaryingLoads>,
     /// Mass times eccentricity [kg m].
     pub unbalance: f64,
     /// Acceleration of gravity along +Y [m/s²].
@@ -166,6 +172,50 @@ impl Mechanism {
         1.0 / (STEPS_PER_WAVE * self.wave_frequency)
     }
 
+    /// Longest step of fixed length that resolves the waves of raceways and balls, and the loads [s].
+    pub(crate) fn longest_excited_step(&self) -> f64 {
+        self.longest_wave_step().min(self.longest_load_step())
+    }
+
+    /// Longest step of fixed length that resolves the loads [s]; infinite where they are constant.
+    pub(crate) fn longest_load_step(&self) -> f64 {
+        self.varying_loads.as_ref().map_or(f64::INFINITY, VaryingLoads::longest_fixed_step)
+    }
+
+    /// Times after 0 at which the angular acceleration or the slope of a load jumps [s], in their order.
+    pub(crate) fn kinks(&self) -> Vec<f64> {
+        let of_loads = self.varying_loads.iter().flat_map(VaryingLoads::kinks).filter(|at| *at > 0.0);
+        let mut kinks: Vec<f64> = self.speed.kinks().chain(of_loads).collect();
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup_by(|later, earlier| *later < *earlier + SHORTEST_RAMP);
+        kinks
+    }
+
+    /// True where neither speed nor loads change but periodically.
+    pub(crate) fn is_steady(&self) -> bool {
+        self.speed.is_constant() && !self.varying_loads.as_ref().is_some_and(VaryingLoads::has_transients)
+    }
+
+    /// Returns true where state or time limit the steps of error control.
+    pub(crate) fn limits_steps(&self) -> bool {
+        self.has_defects() || self.varying_loads.is_some()
+    }
+
+    /// Changes of the loads since the start of the run at a time [s] and an angle of the spindle [rad].
+    #[inline(always)]
+    pub(crate) fn load_change(&self, time: f64, angle: f64) -> Option<SpindleLoad> {
+        self.varying_loads.as_ref().map(|loads| loads.at(time, angle))
+    }
+
+    /// The mechanism under the largest radial loads of the run; `None` where they are those at the start.
+    pub(crate) fn under_largest_loads(&self) -> Option<Self> {
+        let [_, y, z, ..] = self.varying_loads.as_ref()?.largest;
+        let mut heaviest = self.clone();
+        heaviest.load[1] += y.copysign(self.load[1] + self.spindle_mass * self.gravity);
+        heaviest.load[2] += z.copysign(self.load[2]);
+        Some(heaviest)
+    }
+
     /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.
     pub(crate) fn steady_orbit_speed(&self) -> Option<f64> {
         self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
@@ -179,6 +229,7 @@ impl Mechanism {
             SpindleTilt::Held => None,
         };
         let operating_speed = scene.operating_speed();
+        let [x, y, z, about_y, about_z] = scene.operation.start_load();
         let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
         let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
         let drag = Drag::new(bearing, &scene.lubricant);
@@ -234,7 +285,9 @@ impl Mechanism {
                 AxialHold::Fixed | AxialHold::Free => 0.0,
             },
             misalignment: scene.operation.misalignment,
-            load: scene.operation.load,
+            load: [x, y, z],
+            moment: [about_y, about_z],
+            varying_loads: scene.operation.varying_loads(),
             unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
             gravity: if needs.gravity { scene.gravity } else { 0.0 },
             perturbation: scene.operation.start_perturbation(),

@@ -1,5 +1,5 @@
-//! Longest step of error control near defects of raceways and balls. Between two balls nothing announces an edge, and a long step would pass
-//! over the whole defect.
+//! Longest step of error control near defects of raceways and balls, and under loads that vary. Between two balls nothing announces an edge,
+//! and a long step would pass over the whole defect, or over a shock.
 
 use crate::numerics::angle::small_angle;
 use crate::physics::bearing::PerRaceway;
@@ -14,16 +14,17 @@ pub(crate) fn end_of_step(mechanism: &Mechanism, time: f64, state: &[f64], stop:
     if steps > 1.0 { time + (stop - time) / steps } else { stop }
 }
 
-/// The time in which no ball rolls beyond the entry of a defect, or within a defect farther than a share of its contact [s]; infinite
-/// without defects.
+/// The time in which no ball rolls beyond the entry of a defect, or within a defect farther than a share of its contact, and in which loads change by a
+/// part of their course [s]; infinite without defects and under constant loads.
 fn longest_step(mechanism: &Mechanism, time: f64, state: &[f64]) -> f64 {
+    let of_loads = mechanism.varying_loads.as_ref().map_or(f64::INFINITY, |loads| loads.longest_step_from(time));
     if !mechanism.has_defects() {
-        return f64::INFINITY;
+        return of_loads;
     }
     let PerRaceway { inner, outer } = &mechanism.defects;
     let (angle, speed, _) = mechanism.speed.at(time);
     let spindle = mechanism.layout.spindle(state).position;
-    let mut longest = f64::INFINITY;
+    let mut longest = of_loads;
     let mut limit = |defects: &[DefectReach], azimuth: f64, rate: f64| {
         for defect in defects {
             longest = longest.min(defect.largest_angle(azimuth) / rate.abs());

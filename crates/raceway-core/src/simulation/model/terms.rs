@@ -180,7 +180,7 @@ impl Decision<'_> {
         let free = self.scene.spindle.axial == AxialHold::Free;
         let unmet = |choice, reason| Err(UnsupportedChoice::Term { term: Term::Axial, choice, reason });
         match self.scene.terms.get(Term::Axial) {
-            TermChoice::Off if self.scene.operation.load[0] != 0.0 => unmet("off", "an axial load acts"),
+            TermChoice::Off if self.scene.operation.acts_along_x() => unmet("off", "an axial load acts"),
             TermChoice::Off => {
                 self.switched_off(Term::Axial);
                 Ok(false)
@@ -307,7 +307,7 @@ impl Decision<'_> {
         let spin = (kinematics::ideal_spin_ratio(bearing) * speed).abs();
         let orbit = kinematics::ideal_orbit_ratio(bearing) * speed;
         let centrifugal = bearing.ball_mass * 0.5 * bearing.parameters.pitch_diameter * orbit * orbit;
-        let is_axial = operation.load[0] != 0.0 || self.scene.spindle.axial != AxialHold::Fixed;
+        let is_axial = operation.acts_along_x() || self.scene.spindle.axial != AxialHold::Fixed;
         let sine = if is_axial { bearing.free_contact_angle.sin().abs() } else { 0.0 };
         let of = |contact: &HertzContact, load: f64| {
             let (semi_major, _) = contact.semi_axes(load);
@@ -319,7 +319,7 @@ impl Decision<'_> {
 
     /// Stribeck's estimate of the most loaded ball, axial load shared [N].
     fn largest_ball_load(&self) -> f64 {
-        let [x, y, z] = self.scene.operation.load;
+        let [x, y, z, ..] = self.scene.operation.largest_load();
         let balls = self.scene.bearing.parameters.ball_count as f64;
         (4.37 * y.hypot(z) + x.abs()) / balls
     }

@@ -57,6 +57,12 @@ const BALL: &str = "BSF";
 const SHAFT: &str = "f_r";
 const CAGE: &str = "FTF";
 const OUTER: &str = "BPFO";
+/// Label of a harmonic load.
+const LOAD: &str = "load";
+/// Cost of the first order of a load: lower than of the shaft, which an order of the load may coincide with.
+const LOAD_WEIGHT: f64 = 0.9;
+/// Highest order of a load.
+const HIGHEST_LOAD_ORDER: f64 = 10.0;
 /// Labels of whirl.
 const CAGE_WHIRL: &str = "cage whirl";
 const SPINDLE_WHIRL: &str = "spindle whirl";
@@ -67,7 +73,7 @@ const HIGHEST_CAGE_ORDER: f64 = 20.0;
 
 /// Frequencies [Hz] that name the lines of a spectrum; 0 for one that cannot appear.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LineSources {
+pub(crate) struct LineSources<'a> {
     /// At the simulated speeds of cage and balls.
     pub frequencies: CharacteristicFrequencies,
     /// Mean rate at which the centre of the cage orbits its mean position.
@@ -82,12 +88,14 @@ pub(crate) struct LineSources {
     pub odd_ball_orders: bool,
     /// Balls or pockets differ. Their pattern turns with the cage, so that its sidebands stand beside every ball passage.
     pub unequal_balls: bool,
+    /// Frequencies of harmonic loads.
+    pub loads: &'a [f64],
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
 /// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %, or
 /// the whirl of cage or spindle within this distance.
-pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources, highest: f64) -> Vec<Line> {
+pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest: f64) -> Vec<Line> {
     let amplitude = &spectrum.amplitude;
     // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
     let end = amplitude.len().saturating_sub(LOBE);
@@ -155,7 +163,7 @@ impl Term {
 }
 
 /// The simplest combination near a frequency and the deviation from it; an empty label and 0 without one.
-fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64) {
+fn label(frequency: f64, sources: &LineSources<'_>, resolution: f64) -> (String, f64) {
     let of_bins = TOLERANCE_BINS * resolution;
     let widest = of_bins + TOLERANCE_SHARE * frequency;
     let mut best: Option<(f64, [Term; 3], f64)> = None;
@@ -187,7 +195,7 @@ fn label(frequency: f64, sources: &LineSources, resolution: f64) -> (String, f64
 
 /// Frequencies of the terms that turn with the cage, without signs [Hz].
 fn slipping(combination: &[Term; 3]) -> f64 {
-    let slips = |term: &&Term| term.name != SHAFT;
+    let slips = |term: &&Term| term.name != SHAFT && term.name != LOAD;
     combination.iter().filter(slips).map(|term| f64::from(term.order.abs()) * term.frequency).sum()
 }
 
@@ -195,8 +203,9 @@ fn slipping(combination: &[Term; 3]) -> f64 {
 /// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
 /// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
 /// - even orders of the spin of a ball that is no sphere, and odd ones where it has them, with sidebands of the cage, which carries the ball;
+/// - harmonic loads, and the ball passage of the outer raceway with sidebands of them;
 /// - the whirl of cage and spindle, whose rates follow from their motion and not from the bearing's frequencies.
-fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[Term; 3]> {
+fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1 };
     let all = &sources.frequencies;
     let shaft = term(SHAFT, all.shaft, 1.0);
@@ -214,7 +223,11 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
     let mut carry = |carrier: Term, sides: [Term; 2]| {
         let rest = frequency - sides.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let order = (rest / carrier.frequency).round();
-        let highest = if carrier.name == cage.name { HIGHEST_CAGE_ORDER } else { HIGHEST_ORDER };
+        let highest = match carrier.name {
+            CAGE => HIGHEST_CAGE_ORDER,
+            LOAD => HIGHEST_LOAD_ORDER,
+            _ => HIGHEST_ORDER,
+        };
         if usable(&carrier) && (1.0..=highest).contains(&order) {
             found.push([carrier.times(order as i32), sides[0], sides[1]]);
         }
@@ -239,6 +252,12 @@ fn combinations(frequency: f64, sources: &LineSources, tolerance: f64) -> Vec<[T
         carry(inner, [shaft.times(n), cage]);
     }
     carry(cage, [shaft, outer]);
+    for load in sources.loads.iter().map(|&frequency| term(LOAD, frequency, LOAD_WEIGHT)) {
+        carry(load, [shaft, cage]);
+        for k in side(&load, 1).filter(|k| *k != 0) {
+            carry(outer, [load.times(k), cage]);
+        }
+    }
     // A whirling cage drives the spindle round at its own rate, so it has precedence.
     let whirls = [term(CAGE_WHIRL, sources.cage_whirl, 1.6), term(SPINDLE_WHIRL, sources.spindle_whirl, 1.6)];
     // Unequal balls drive the spindle round at multiples of the cage speed.
@@ -303,7 +322,7 @@ mod tests {
         }
     }
 
-    fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources {
+    fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources<'static> {
         LineSources {
             frequencies,
             cage_whirl: 0.0,
@@ -312,11 +331,24 @@ mod tests {
             uneven_raceways: false,
             odd_ball_orders: false,
             unequal_balls: false,
+            loads: &[],
         }
     }
 
     fn labelled(frequency: f64) -> String {
         label(frequency, &without_whirl(seven_balls()), 10.0).0
+    }
+
+    /// A load has precedence over the order of the shaft at its frequency, and sidebands beside the ball passage.
+    #[test]
+    fn a_harmonic_load_names_its_lines() {
+        let f = seven_balls();
+        let loads = [1666.666, 432.1];
+        let loaded = LineSources { loads: &loads, ..without_whirl(f) };
+        let of = |frequency: f64| label(frequency, &loaded, 1.0).0;
+        assert_eq!([of(1666.666), of(864.2), of(833.333)], ["load", "2·load", "f_r"]);
+        assert_eq!(of(f.ball_pass_outer - 432.1), "BPFO − load");
+        assert_eq!(of(f.ball_pass_outer), "BPFO");
     }
 
     /// Tones (frequency, amplitude) over 0.1 s in Gaussian-like noise of the given rms.

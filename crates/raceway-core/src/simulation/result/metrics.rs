@@ -292,6 +292,7 @@ pub fn lines(
     }
     let is_constant = scene.operation.speed.is_constant();
     let turns = |whirl: Option<Whirl>| whirl.map_or(0.0, |whirl| whirl.rate().abs() / std::f64::consts::TAU);
+    let loads: Vec<f64> = scene.operation.load_frequencies(recording.shaft_speed).collect();
     let sources = &LineSources {
         frequencies: marked(scene, &line_frequencies(scene, recording)),
         cage_whirl: turns(recording.whirl()),
@@ -300,6 +301,7 @@ pub fn lines(
         uneven_raceways: !(scene.surfaces.raceway.inner.is_ideal() && scene.surfaces.raceway.outer.is_ideal()),
         odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
         unequal_balls: scene.has_unequal_balls(),
+        loads: &loads,
     };
     let of_channel = |spectra: &ChannelSpectra| {
         let spectrum = match kind {

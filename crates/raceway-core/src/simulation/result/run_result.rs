@@ -42,7 +42,7 @@ impl RunResult {
         let Provenance { solver, accuracy, left_out } = provenance;
         let outputs = &settings.outputs;
         let channels = || if outputs.vibration { metrics::vibration(recording) } else { Vec::new() };
-        let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.speed.is_constant());
+        let (balls, is_steady) = (scene.bearing.parameters.ball_count, scene.operation.is_steady());
         let impact = || Impact::of(recording, balls).filter(|_| scene.surfaces.have_defects());
         let plot_data = || PlotData { impact: impact(), ..PlotData::of(recording, balls, is_steady) };
         let (spectra, plot_data) = match outputs.keep_signals() {

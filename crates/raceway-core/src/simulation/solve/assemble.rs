@@ -58,7 +58,7 @@ pub(crate) fn assemble(
     let Solved { candidate, attempt, mut report, rejections, not_eligible } = solved;
     attempt.recording.evaluate(&settings.outputs);
     report = report.with_unresolved(settings.tightened.is_none());
-    if scene.operation.speed.is_constant() {
+    if scene.operation.is_steady() {
         let windows = window_scatter(problem, &candidate, &attempt, &control.without_live())?;
         report = with_scatter(report, &attempt.recording, windows, &settings.outputs);
         report = with_quiet_levels(report, &attempt.recording);

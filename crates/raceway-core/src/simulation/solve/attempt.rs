@@ -186,7 +186,7 @@ fn reduced(
     let Problem { scene, settings, .. } = *problem;
     let strips = active_terms(scene, &settings.outputs, Some(level))?.raceway.strips;
     let trial = match (level, step) {
-        (ModelLevel::RadiallyCondensed, None) if scene.operation.speed.is_constant() => {
+        (ModelLevel::RadiallyCondensed, None) if scene.operation.is_steady() => {
             longer_step(scene, settings, &Control::until(control.stop))
         }
         _ => None,

@@ -145,6 +145,8 @@ fn no_reduced_model(scene: &Scene, settings: &RunSettings, terms: &ActiveTerms) 
         Some(Ineligible::Hydrodynamics)
     } else if !scene.operation.speed.is_constant() {
         Some(Ineligible::SpeedChanges)
+    } else if !scene.operation.is_steady() {
+        Some(Ineligible::LoadsChange)
     } else if window_time(scene, settings) > WINDOW_SHARE * (settings.settle + settings.duration) {
         Some(Ineligible::ShortRun)
     } else {
@@ -188,12 +190,12 @@ pub fn ball_passage(scene: &Scene) -> f64 {
 }
 
 /// Recorded time that represents a motion at constant speed [s]: 20 ball passages, at least 0.1 s and at most 1 s; 0.1 s at rest. At least a turn
-/// of the cage whose balls differ.
+/// of the cage whose balls differ, and a period of each harmonic load up to 1 s.
 pub fn representative_time(scene: &Scene) -> f64 {
     let [least, most] = REPRESENTATIVE_RANGE_S;
     let time = REPRESENTATIVE_PASSAGES * ball_passage(scene);
     let passages = if time.is_finite() { time.clamp(least, most) } else { least };
-    passages.max(turn_of_unequal_balls(scene))
+    passages.max(turn_of_unequal_balls(scene)).max(longest_load_period(scene).min(most))
 }
 
 /// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft or of the cage that carries a defect
@@ -215,7 +217,8 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
     let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
-    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turn_of_inner_waves(scene)).max(turn_of_unequal_balls(scene));
+    let turns = turn_of_inner_waves(scene).max(turn_of_unequal_balls(scene));
+    let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turns).max(longest_load_period(scene));
     (passage.max(settle), (WINDOW_PASSAGES * passage).max(window))
 }
 
@@ -229,6 +232,11 @@ fn turn_of_inner_waves(scene: &Scene) -> f64 {
 pub fn turn_of_unequal_balls(scene: &Scene) -> f64 {
     let turn = cage_turn(scene);
     if scene.has_unequal_balls() && turn.is_finite() { turn } else { 0.0 }
+}
+
+/// Period of the slowest harmonic load [s]; 0 without one.
+pub fn longest_load_period(scene: &Scene) -> f64 {
+    scene.operation.longest_load_period()
 }
 
 /// Time that the richer model simulates to verify a reduced one [s].

@@ -32,11 +32,11 @@ pub fn is_eligible(model: &Model, settings: &RunSettings) -> bool {
     is_free(settings) && model.mechanism().raceway.inner.is_damped() && lengths(model).next().is_some()
 }
 
-/// The first step that is tried [s]. It resolves the waves of the raceways and the path over each defect.
+/// The first step that is tried [s]. It resolves the waves of the raceways, the loads and the path over each defect.
 pub fn first_step(model: &Model) -> f64 {
     let mechanism = model.mechanism();
     let step = if mechanism.layout.axial_spindle { AXIAL_STEP } else { STEP };
-    step.min(mechanism.longest_wave_step()).min(mechanism.defect_step)
+    step.min(mechanism.longest_excited_step()).min(mechanism.defect_step)
 }
 
 /// Steps that can be tried, the longest first. None of them is built for a spindle that tilts.
@@ -62,6 +62,7 @@ pub fn in_steps(settings: &RunSettings, step: f64) -> RunSettings {
 
 /// Settings of the dynamics that verify a reduced model in fixed steps; `None` if a step was selected.
 pub fn verifying(settings: &RunSettings, model: &Model) -> Option<RunSettings> {
-    let step = VERIFYING_STEP.min(model.mechanism().defect_step);
+    let mechanism = model.mechanism();
+    let step = VERIFYING_STEP.min(mechanism.defect_step).min(0.5 * mechanism.longest_load_step());
     (is_free(settings) && step >= SHORTEST).then(|| in_steps(settings, step))
 }

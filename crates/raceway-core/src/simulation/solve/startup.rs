@@ -118,9 +118,9 @@ pub fn decay_rate(scene: &Scene) -> Option<f64> {
 }
 
 /// Settling time for the decay of the initial transient [s], at most `MAX_SETTLE_S`. It includes the axial vibration of the cage if the start is
-/// not damped. `None` as for [`decay_rate`], and at changing speed, where settling would skip a part of the requested speed range.
+/// not damped. `None` as for [`decay_rate`], and where speed or loads change, because settling would skip a part of their course.
 pub fn settling_time(scene: &Scene) -> Option<f64> {
-    let rest = StaticSupport::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.speed.is_constant())?;
+    let rest = StaticSupport::of(scene).filter(|rest| rest.decay > 0.0 && scene.operation.is_steady())?;
     let of_cage =
         if rest.has_axial_motion_or_tilt && rest.all_carry && !rest.has_one_attractor() { CAGE_SETTLE_S } else { 0.0 };
     Some((SETTLED_EFOLDS / rest.decay).clamp(of_cage, MAX_SETTLE_S))
@@ -154,7 +154,7 @@ impl StartupPhase {
         let (settle, turning) = (settings.settle, turning_time(scene));
         let mechanism = model.mechanism();
         let is_forgotten = mechanism.raceway.inner.is_damped() && mechanism.perturbation.is_none();
-        if !mechanism.speed.is_constant() || !is_forgotten || settings.fixed_step.is_some() {
+        if !scene.operation.is_steady() || !is_forgotten || settings.fixed_step.is_some() {
             return Self::NOTHING;
         }
         let time = settle - turning.min(settle * (1.0 - AXIAL_SHARED));

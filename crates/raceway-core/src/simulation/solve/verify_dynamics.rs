@@ -15,7 +15,9 @@ use crate::simulation::model::integrate::Stepping;
 use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::sampling::{PART, RATE, REPEATED, kept_values};
 use crate::simulation::solve::attempt::{Attempt, Dynamics, MIN_EVALUATIONS, Problem, run};
-use crate::simulation::solve::eligibility::{longest_passage, representative_time, turn_of_unequal_balls};
+use crate::simulation::solve::eligibility::{
+    longest_load_period, longest_passage, representative_time, turn_of_unequal_balls,
+};
 use crate::simulation::solve::verification::{MIN_VALUES, TIGHTEST, Verification, along_the_run, or_failure};
 
 /// Tolerance of a repetition over that of the run [-].
@@ -64,7 +66,7 @@ pub(crate) fn by_refinement(
         return Ok(verification);
     }
     // The whole time is compared where the motion passes through different states, or is sensitive.
-    let is_windowed = scene.operation.speed.is_constant() && !verification.is_chaotic();
+    let is_windowed = scene.operation.is_steady() && !verification.is_chaotic();
     let is_even = is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
     let mut window = match (is_windowed, is_even) {
         (false, _) => settings.duration,
@@ -137,7 +139,8 @@ pub(crate) fn by_refinement(
 fn refined_window(scene: &Scene, settings: &RunSettings) -> f64 {
     let passages = WINDOW_PASSAGES * longest_passage(scene);
     let window = if passages.is_finite() { passages.max(REPEATED) } else { REPEATED };
-    settings.duration.min(whole_parts(window.max(turn_of_unequal_balls(scene))))
+    let turns = turn_of_unequal_balls(scene).max(longest_load_period(scene));
+    settings.duration.min(whole_parts(window.max(turns)))
 }
 
 /// The time of whole parts [s], at least the given one: the means of a part that is cut short are not those of the run.

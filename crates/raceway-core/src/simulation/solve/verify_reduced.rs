@@ -56,7 +56,7 @@ pub(crate) fn by_richer_model(
     let Compared { mut deviation, own, richer, richer_level, leaves } = compared;
     let is_uneven = is_condensed && !is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
     // Motion that is neither periodic nor stationary is compared over a time that represents it.
-    let represented = match scene.operation.speed.is_constant() {
+    let represented = match scene.operation.is_steady() {
         true => settings.duration.min(representative_time(scene)),
         false => settings.duration,
     };
@@ -110,6 +110,8 @@ pub(crate) fn by_richer_model(
     };
     let unknown = if !scene.operation.speed.is_constant() {
         Some(Gap::SpeedChanges)
+    } else if !scene.operation.is_steady() {
+        Some(Gap::LoadsChange)
     } else if settings.duration < window {
         Some(Gap::ShortRecord)
     } else {
@@ -322,7 +324,8 @@ fn inertia_exceeds_preload(scene: &Scene, settings: &RunSettings, recording: &Re
     let rms = |channel| recording.of(channel).map_or(0.0, |signal| signal.in_band().moments.rms());
     let [x, y, z] = ACCELERATIONS.map(rms);
     let mass = scene.spindle.mass;
-    let held = (scene.operation.load[1] + mass * scene.gravity).hypot(scene.operation.load[2]);
+    let [_, load_y, load_z, ..] = scene.operation.start_load();
+    let held = (load_y + mass * scene.gravity).hypot(load_z);
     let share = mass * x.hypot(y).hypot(z) / held.max(f64::MIN_POSITIVE);
     let model = || RadiallyCondensed::new(scene, &settings.outputs);
     let damping = || model().map_or(0.0, |model| model.spindle_damping());

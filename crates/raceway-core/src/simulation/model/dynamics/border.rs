@@ -14,6 +14,8 @@ pub(super) struct Border {
     pub pose: CagePose,
     pub spindle: SpindleState,
     pub shaft: Shaft,
+    /// [s]
+    pub time: f64,
     /// Rate of the fading start-up damping [1/s]; else 0.
     pub damping: f64,
 }

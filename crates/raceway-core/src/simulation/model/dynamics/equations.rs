@@ -1,6 +1,8 @@
 //! Equations (1)–(14) in vector form: each contact gives one force and one moment, applied with
 //! opposite sign to the two bodies it joins.
 
+use std::array::from_fn;
+
 use super::ball_group::{BallLoads, Balls, Slopes};
 use super::border::{Border, CagePose, Shaft};
 use super::contact_frame::{ContactFrame, StraightFrame, TiltedAxis, TiltedFrame};
@@ -439,7 +441,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub(super) fn border(&self, cage: CageState, spindle: SpindleState, time: f64) -> Border {
         let shaft = self.mechanism.speed.at(time);
         let damping = self.mechanism.damping.map_or(0.0, |damping| damping.at(time));
-        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft, damping }
+        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft, time, damping }
     }
 
     #[inline(always)]
@@ -522,12 +524,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// follows the tilted axis.
     #[inline(always)]
     pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector, moment: Vector) -> SpindleState {
-        let &Border { spindle: state, shaft: (angle, speed, acceleration), damping, .. } = border;
+        let &Border { spindle: state, shaft: (angle, speed, acceleration), time, damping, .. } = border;
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
         force[1] += m.spindle_mass * m.gravity;
         if m.unbalance != 0.0 {
             force = add(force, unbalance_force(m.unbalance, angle, speed, acceleration));
+        }
+        let mut applied_moment = m.moment;
+        if let Some([x, y, z, about_y, about_z]) = m.load_change(time, angle) {
+            force = add(force, [x, y, z]);
+            applied_moment = [applied_moment[0] + about_y, applied_moment[1] + about_z];
         }
         force = add(force, scale(-damping * m.spindle_mass, state.velocity));
         let mut rates = SpindleState { position: state.velocity, ..self.spindle_response(force, moment, state.tilt) };
@@ -535,6 +542,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let gyroscopic = inertia.axial * speed / inertia.transverse;
             let [rate_y, rate_z] = state.tilt_rate;
             rates.tilt = state.tilt_rate;
+            rates.tilt_rate = from_fn(|axis| rates.tilt_rate[axis] + applied_moment[axis] / inertia.transverse);
             rates.tilt_rate[0] -= gyroscopic * rate_z + damping * rate_y;
             rates.tilt_rate[1] += gyroscopic * rate_y - damping * rate_z;
         }

@@ -180,10 +180,11 @@ impl<'a> RacewayPotential<'a> {
         }
     }
 
-    /// Constant force on the spindle [N].
-    fn spindle_force(&self) -> Vector {
+    /// Force on the spindle [N], and its moments over the pitch radius, forces on the unknowns of the tilt [N].
+    fn spindle_force(&self) -> [f64; DIRECTIONS] {
         let m = self.mechanism;
-        [m.load[0], m.load[1] + m.spindle_mass * m.gravity, m.load[2]]
+        let [about_y, about_z] = m.moment.map(|moment| moment / m.pitch_radius);
+        [m.load[0], m.load[1] + m.spindle_mass * m.gravity, m.load[2], about_y, about_z]
     }
 
     /// Radial body force on a ball, weight and centrifugal force [N], and its slope [N/m].
@@ -196,7 +197,9 @@ impl<'a> RacewayPotential<'a> {
     /// The place of least energy.
     fn minimum(&self) -> Result<Vec<f64>, SimulationError> {
         let m = self.mechanism;
-        let scale = dot(self.spindle_force(), self.spindle_force()).sqrt() + self.body_force(0, m.pitch_radius).0.abs();
+        let [x, y, z, about_y, about_z] = self.spindle_force();
+        let tilting = about_y.hypot(about_z);
+        let scale = dot([x, y, z], [x, y, z]).sqrt() + tilting + self.body_force(0, m.pitch_radius).0.abs();
         let search = Search {
             converged: 1e-11 * scale + 1e-12,
             longest_step: 0.01 * m.pitch_radius,
@@ -238,12 +241,14 @@ impl Potential<DIRECTIONS> for RacewayPotential<'_> {
         let force = self.spindle_force();
         let (spindle, [about_y, about_z]) = self.spindle(place);
         let tilt = Tilt::new(about_y, about_z);
-        let mut value = -dot(force, spindle);
+        let [x, y, z, moment_y, moment_z] = force;
+        let turned = self.mechanism.pitch_radius * (moment_y * about_y + moment_z * about_z);
+        let mut value = -dot([x, y, z], spindle) - turned;
         let mut hessian = Bordered::zeros(balls, self.free.len());
         let mut gradient = vec![0.0; place.len()];
         let (of_balls, of_spindle) = gradient.split_at_mut(2 * balls);
         for (slope, &direction) in of_spindle.iter_mut().zip(self.free) {
-            *slope -= force.get(direction).copied().unwrap_or_default();
+            *slope -= force[direction];
         }
         for (ball, of_ball) in of_balls.chunks_exact_mut(2).enumerate() {
             let radial = place[2 * ball + 1];

@@ -22,6 +22,8 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::UnevenPockets
     } else if !scene.operation.speed.is_constant() {
         Inapplicable::SpeedChanges
+    } else if scene.operation.varying_loads().is_some() {
+        Inapplicable::LoadsVary
     } else if scene.operating_speed() == 0.0 {
         Inapplicable::AtRest
     } else if needs.unbalance {

@@ -19,7 +19,7 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
         Some(Inapplicable::DefectBesideBottom)
     } else if scene.surfaces.have_axial_waves() {
         Some(Inapplicable::AxialWaves)
-    } else if scene.operation.load[0] != 0.0 {
+    } else if scene.operation.acts_along_x() {
         Some(Inapplicable::AxialLoad)
     } else if scene.spindle.axial == AxialHold::Free {
         Some(Inapplicable::SpindleMovesAlongX)

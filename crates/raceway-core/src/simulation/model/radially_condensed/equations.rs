@@ -125,7 +125,11 @@ impl RadiallyCondensed {
         m.sites = surfaced.sites.clone();
         let balls = m.layout.balls;
         let rest = equilibrium(&surfaced, m.speed.at(0.0).1)?;
-        let largest = rest.loads.iter().fold(0.0, |most, load| f64::max(most, f64::max(load.inner, load.outer)));
+        let heaviest = match surfaced.under_largest_loads() {
+            Some(heaviest) => equilibrium(&heaviest, m.speed.at(0.0).1)?,
+            None => rest.clone(),
+        };
+        let largest = heaviest.loads.iter().fold(0.0, |most, load| f64::max(most, f64::max(load.inner, load.outer)));
         let damping = scene.raceway_damping.resolve();
         let film_damping = match scene.cage.film {
             PocketFilm::Wedge => WEDGE_DAMPING,
@@ -215,7 +219,7 @@ impl RadiallyCondensed {
             mechanism: m,
             needs,
         };
-        model.spindle_rates = model.rates_at_rest(&rest);
+        model.spindle_rates = model.rates_at_rest(&heaviest);
         let steepest = model.traction.map(RacewayTraction::steepest);
         let (m, radius) = (&model.mechanism, 0.5 * scene.bearing.parameters.ball_diameter);
         model.traction_rate =

@@ -346,6 +346,7 @@ impl RadiallyCondensed {
     #[inline(always)]
     pub(super) fn defect(
         &self,
+        time: f64,
         (angle, speed, acceleration): (f64, f64, f64),
         [ay, az]: [f64; 2],
         on_spindle: &SpindleReaction<Singles>,
@@ -361,6 +362,9 @@ impl RadiallyCondensed {
         spindle.slope[2] += m.spindle_mass;
         if m.unbalance != 0.0 {
             let [_, y, z] = unbalance_force(m.unbalance, angle, speed, acceleration);
+            spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
+        }
+        if let Some([_, y, z, ..]) = m.load_change(time, angle) {
             spindle.force = [spindle.force[0] + y, spindle.force[1] + z];
         }
         spindle
@@ -564,7 +568,7 @@ mod tests {
             most = most.max(load * (raised.raceway.inner.slope.abs() + raised.raceway.outer.slope.abs()) / nominal);
             worst = worst.max((found - along).abs());
         }
-        let found = model.defect(turning, [0.0; 2], &rates.passed).force;
+        let found = model.defect(0.0, turning, [0.0; 2], &rates.passed).force;
         let off = [0, 1].map(|axis| (found[axis] - on_spindle[axis]).abs());
         println!("lean up to {most} N; balls off by {worst}, spindle by {off:?}");
         assert!(most > 0.01 && worst < 0.01 * most && off.iter().all(|off| *off < 0.01 * most));

@@ -54,7 +54,7 @@ impl RadiallyCondensed {
         !self.mechanism().layout.cage || self.pockets_are_damped()
     }
 
-    /// Reciprocal of the longest step that damping, traction and waves allow [1/s], with given largest phases of the spindle on its contacts and of
+    /// Reciprocal of the longest step that damping, traction, waves and loads allow [1/s], with given largest phases of the spindle on its contacts and of
     /// the cage on its film [rad].
     fn fastest(&self, turn: f64, film_turn: f64) -> f64 {
         let on_film = if self.mechanism().layout.cage { self.film_frequency() } else { 0.0 };
@@ -62,7 +62,7 @@ impl RadiallyCondensed {
             .max(self.spindle_rates[1] / turn)
             .max(on_film / film_turn)
             .max(self.traction_rate / MAX_TRACTION_DECAY)
-            .max(1.0 / self.mechanism().longest_wave_step())
+            .max(1.0 / self.mechanism().longest_excited_step())
             .max(1.0 / self.mechanism().defect_step)
     }
 }

@@ -238,7 +238,7 @@ impl<'m> Stepper<'m> {
                 );
             }
         }
-        let change = solve(&self.model.defect(turning, predicted, &self.rates.passed));
+        let change = solve(&self.model.defect(time, turning, predicted, &self.rates.passed));
         let Border { spindle, spindle_velocity, .. } = new.border;
         new.acceleration = std::array::from_fn(|i| predicted[i] + change[i]);
         new.border.spindle = std::array::from_fn(|i| spindle[i] + shares.place * change[i]);

@@ -16,7 +16,7 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::Defects
     } else if scene.surfaces.have_axial_waves() {
         Inapplicable::AxialWaves
-    } else if scene.operation.load[0] != 0.0 {
+    } else if scene.operation.acts_along_x() {
         Inapplicable::AxialLoad
     } else if needs.axial_spindle {
         Inapplicable::SpindleMovesAlongX

@@ -7,6 +7,7 @@ use crate::numerics::angle::sin_cos;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task, larger};
 use crate::numerics::ode::adams_moulton::{Defect, EquationsOfMotion, Motion, Shares};
 use crate::physics::bearing::PerRaceway;
+use crate::physics::loads::VaryingLoads;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::unbalance_force;
@@ -77,13 +78,16 @@ pub(crate) struct SpindleOnly {
     /// Approach beyond touch at which half of a ball's traction follows [m].
     rolling_approach: f64,
     unbalance: f64,
-    /// Load and weight [N].
+    /// Load at the start and weight [N].
     force: [f64; 2],
+    /// Changes of the load since the start, and the largest force; `None`: the load is constant.
+    loads: Option<VaryingLoads>,
+    largest_force: Option<[f64; 2]>,
     /// `None`: both raceways are ideal circles.
     waves: Option<Waves>,
     /// Spin of ideal balls in the orbit frame over spindle speed.
     turn_ratio: f64,
-    /// Longest step that resolves the waves [s].
+    /// Longest step that resolves waves and loads [s].
     longest_step: f64,
 }
 
@@ -114,6 +118,14 @@ pub(crate) struct Driven {
     shaft: (f64, f64),
 }
 
+impl Driven {
+    /// Adds the changes of the load up to a time [s].
+    fn add(&mut self, loads: &VaryingLoads, time: f64) {
+        let [_, y, z, ..] = loads.at(time, self.shaft.0);
+        self.force = [self.force[0] + y, self.force[1] + z];
+    }
+}
+
 impl SpindleOnly {
     /// Equations from the mechanism of the full dynamics. `damping`: χ of the raceways [s/m]; `orbit_ratio`: cage speed over spindle speed.
     /// The centrifugal force is that of the largest speed.
@@ -124,6 +136,7 @@ impl SpindleOnly {
         let centred = m.raceway.map(touching);
         let orbit_radius = m.pitch_radius - centred.outer;
         let speed = m.speed.largest();
+        let force = |m: &Mechanism| [m.load[1] + m.spindle_mass * m.gravity, m.load[2]];
         let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
         let mut groups: Vec<Group> = (0..balls.div_ceil(LANES))
             .map(|group| {
@@ -168,14 +181,16 @@ impl SpindleOnly {
             rolling: on(corrections.rolling, 0.5),
             rolling_approach: (ROLLING_LOAD / m.raceway.inner.hertz().stiffness).powf(2.0 / 3.0),
             unbalance: m.unbalance,
-            force: [m.load[1] + m.spindle_mass * m.gravity, m.load[2]],
+            force: force(m),
+            largest_force: m.under_largest_loads().as_ref().map(force),
             waves,
             turn_ratio: m.spin_ratio - m.orbit_ratio,
-            longest_step: m.longest_wave_step(),
+            loads: m.varying_loads.clone(),
+            longest_step: m.longest_excited_step(),
         }
     }
 
-    /// Longest step that resolves the waves of the raceways [s].
+    /// Longest step that resolves the waves of the raceways, and the loads [s].
     pub(crate) fn longest_step(&self) -> f64 {
         self.longest_step
     }
@@ -195,13 +210,20 @@ impl SpindleOnly {
         self.orbit_ratio
     }
 
-    /// Rest position of the spindle with balls at their start azimuths [m], and the frequency of its stiffest direction there [rad/s].
-    /// Newton's method takes steps that are small against clearances. The rest position need not be exact, because it only starts a run.
+    /// Rest position of the spindle with balls at their start azimuths [m], and the frequency of its stiffest direction there or under the largest
+    /// load [rad/s].
     pub(crate) fn rest(&self) -> ([f64; 2], f64) {
+        let (place, frequency) = self.rest_under(self.force);
+        (place, self.largest_force.map_or(frequency, |largest| self.rest_under(largest).1.max(frequency)))
+    }
+
+    /// Rest position under a force [N], and the frequency of the stiffest direction there.
+    /// Newton's method takes steps that are small against clearances. The rest position need not be exact, because it only starts a run.
+    fn rest_under(&self, applied: [f64; 2]) -> ([f64; 2], f64) {
         let mut place = [0.0, 0.0];
         let mut stiffest = 0.0;
         for _ in 0..200 {
-            let mut force = self.force;
+            let mut force = applied;
             let mut stiffness = [0.0; 3];
             for group in std::iter::once(&self.first).chain(&self.others) {
                 for lane in 0..LANES {
@@ -254,6 +276,11 @@ impl SpindleOnly {
             }
             for (lane, drive) in drives.iter_mut().enumerate() {
                 *drive = self.driven(&turnings[lane], azimuths[lane], (sines[lane], cosines[lane]));
+            }
+            if let Some(loads) = &self.loads {
+                for (lane, drive) in drives.iter_mut().enumerate() {
+                    drive.add(loads, time(eight * LANES + lane));
+                }
             }
         }
     }
@@ -431,7 +458,11 @@ impl EquationsOfMotion for SpindleOnly {
     fn drive(&self, time: f64) -> Driven {
         let turning = self.turning(time);
         let first = self.first_ball(&turning);
-        self.driven(&turning, first, self.direction(first))
+        let mut driven = self.driven(&turning, first, self.direction(first));
+        if let Some(loads) = &self.loads {
+            driven.add(loads, time);
+        }
+        driven
     }
 
     /// Residual of the spindle's equations. Its slope includes that of elastic loads over the approach and of damping over its rate.

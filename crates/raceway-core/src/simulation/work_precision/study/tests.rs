@@ -22,6 +22,7 @@ fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
         operation: Operation {
             speed: SpeedProfile::constant(speed).unwrap(),
             load: [0.0, 200.0, 0.0],
+            loads: Vec::new(),
             misalignment: [0.0; 2],
             perturbation: None,
         },
