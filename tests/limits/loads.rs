@@ -46,7 +46,7 @@ fn displacements(json: &Value, settings: &RunSettings) -> Vec<f64> {
     result.series[0].values.iter().map(|value| 1e-6 * f64::from(*value)).collect()
 }
 
-/// The article's bearing at rest with a preload alone, without friction: Y and Z are not coupled, and every ball stays in contact.
+/// The article's bearing at rest with a preload alone: Y and Z are not coupled, and every ball stays in contact.
 fn preloaded(law: &str) -> Value {
     changed(
         article(),
@@ -54,7 +54,6 @@ fn preloaded(law: &str) -> Value {
             "gravity_m_s2": 0,
             "bearing": { "radial_clearance_um": -20 },
             "operation": { "speed_rpm": 0, "radial_load_y_n": 0 },
-            "lubricant": { "kind": "grease", "traction": { "maximum": 0, "limit": 0 } },
             "damping": { "raceway": { "law": law } }
         }),
     )
@@ -163,7 +162,7 @@ fn a_slow_harmonic_force_acts_as_a_static_one() {
         let y = displacements(&with_loads(base.clone(), load.clone()), &settings(Some(level), 0.02, 2.0 / frequency));
         let (least, most) = y.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), y| (least.min(*y), most.max(*y)));
         let ratio = 0.5 * (most - least) * stiffness / 2.0;
-        assert!((ratio - 1.0 - 1.0 / 1600.0).abs() < 4e-3, "{level:?}: {ratio}");
+        assert!((ratio - 1.0 - 1.0 / 1600.0).abs() < 1e-3, "{level:?}: {ratio}");
     }
 }
 
@@ -184,7 +183,7 @@ fn a_shock_of_half_a_period_has_the_response_factor_of_half_pi() {
 /// No step of error control passes over a shock that is much shorter than the steps before it: the spindle gets its whole momentum 2 F d/π.
 #[test]
 fn a_short_shock_is_not_missed() {
-    let base = preloaded("restitution");
+    let base = preloaded("none");
     let (_, natural) = oscillator(&base);
     let shock = json!([{ "direction": "y", "shock": { "peak_n": 40, "at_s": 5e-3, "duration_s": 1e-5 } }]);
     let json = with_loads(base, shock);
@@ -193,9 +192,9 @@ fn a_short_shock_is_not_missed() {
         let y = displacements(&json, &settings);
         let most = y.iter().copied().fold(0.0, f64::max);
         let expected = 2.0 / PI * 40.0 * 1e-5 / (0.05 * natural);
-        // Damping takes a few percent in a quarter of a period.
+        // At this tolerance Gear damps the first quarter of a period, too.
         let ratio = (most - y[0]) / expected;
-        assert!((0.85..1.02).contains(&ratio), "{method:?}: {ratio}");
+        assert!((0.95..1.02).contains(&ratio), "{method:?}: {ratio}");
     }
 }
 
