@@ -293,6 +293,7 @@ fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
         ("getAccuracy", "For a succeeded accuracy job", None),
         ("getRotor", "For a succeeded rotor job", None),
         ("getRotorScript", "For a succeeded rotor job", None),
+        ("getMachine", "For a succeeded machine job", None),
     ];
     links.into_iter().map(|(operation, description, more)| {
         let link =

@@ -3,7 +3,10 @@
 //! A bearing knows the motion of its inner ring and returns its load; it knows no shaft. The shaft knows forces at ports. Knows no JSON and
 //! no thread.
 
+pub mod channel;
 pub mod input;
+pub mod result;
+pub mod run;
 
 pub mod equations;
 pub mod frame;
@@ -14,3 +17,5 @@ mod tests;
 
 pub mod propagator;
 pub mod stepping;
+
+pub mod recording;

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineBearing, RANGE};
+use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
+use super::run::simulate;
 use super::start::start_state;
 use super::stepping::MachineStepper;
 use crate::numerics::ode::Method;
@@ -26,7 +27,8 @@ use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
 use crate::rotor::analysis::analyse;
 use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
-use crate::simulation::input::channel::BallContact;
+use crate::simulation::input::channel::{Axis, BallContact};
+use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
@@ -66,7 +68,9 @@ fn motor_spindle() -> Machine {
             gravity: 9.81,
             load: [0.0, 100.0, 0.0],
         },
-        bearings: [0.0, 2.4].map(|start_azimuth| MachineBearing { scene: scene.clone(), start_azimuth }).to_vec(),
+        bearings: [("A", 0.0), ("B", 2.4)]
+            .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
+            .to_vec(),
         speed: SpeedProfile::constant(6000.0 * RPM).unwrap(),
         sensors: Vec::new(),
     }
@@ -343,4 +347,25 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
     }
     let values = jacobian.complex_eigenvalues();
     values.iter().filter(|value| value.im > 1.0).map(|value| value.im / (2.0 * PI)).collect()
+}
+
+/// A run records every signal: at a constant speed with an unbalance the line of the shaft is that of the linear analysis.
+#[test]
+fn a_run_shows_the_response_to_unbalance() {
+    let mut machine = motor_spindle();
+    machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
+    let settings = MachineSettings { settle: Some(0.2), duration: 0.2, step: None, range: RANGE };
+    let begin = std::time::Instant::now();
+    let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
+    println!("{:?}", begin.elapsed());
+    for (channel, metrics) in &result.channels {
+        println!("{} {:?}", channel.named(&machine), metrics);
+    }
+    println!("{:?} {:?} {:?}", result.accuracy, result.bearings, result.natural_frequencies);
+    for spectra in &result.spectra {
+        println!("{}", spectra.channel.named(&machine));
+        for line in spectra.lines.iter().take(12) {
+            println!("    {line:?}");
+        }
+    }
 }
