@@ -16,6 +16,7 @@ use utoipa::{IntoResponses, Modify, OpenApi};
 use super::error::{ApiError, PROBLEM_JSON, Problem};
 use super::limits::BODY_LIMIT;
 use super::submission_headers::wrong_wait;
+use crate::contract::job::machine::MachineInput;
 use crate::contract::job::schema;
 use crate::contract::{FieldError, Refusal};
 use crate::jobs::{ExpiredJob, JobError, Status};
@@ -46,7 +47,7 @@ pub const DOCUMENT: &str = "document";
         (name = "document", description = "This description; as a page at `/docs/`")
     ),
     security(("token" = [])),
-    components(schemas(Problem)),
+    components(schemas(Problem, MachineInput)),
     modifiers(&TokenScheme)
 )]
 pub struct Description;
