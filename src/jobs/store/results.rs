@@ -16,7 +16,7 @@ use super::pool::Tx;
 use super::sealed_request::{SEALED_REQUEST, SealedRequest};
 use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks, no_metrics};
 use super::series_reader::StoredHead;
-use super::signal::Signal;
+use super::signal::{Signal, WITH_SIGNALS};
 use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
 use crate::contract::{JobKind, MachineOutcome, Outcome, SeriesHead, Simulated, SpectrumAnswer, SpectrumKind};
@@ -337,9 +337,6 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: &[J
         (None, None) => Err(JobError::Corrupt(format!("status {status}"))),
     }
 }
-
-/// Kinds of jobs that keep signals.
-pub(super) const WITH_SIGNALS: [JobKind; 2] = [JobKind::Simulation, JobKind::Machine];
 
 /// What determines the result of a succeeded job.
 #[derive(Debug, Clone, PartialEq, Eq, FromRow)]

@@ -8,14 +8,15 @@ pub mod input;
 pub mod result;
 pub mod run;
 
+pub mod bearing;
 pub mod equations;
 pub mod frame;
 pub mod start;
 
-#[cfg(test)]
-mod tests;
-
-pub mod propagator;
-pub mod stepping;
+pub(crate) mod propagator;
+pub(crate) mod stepping;
 
 pub mod recording;
+
+#[cfg(test)]
+mod tests;

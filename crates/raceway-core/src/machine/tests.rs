@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
+use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
 use super::run::simulate;
@@ -349,23 +350,41 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
     values.iter().filter(|value| value.im > 1.0).map(|value| value.im / (2.0 * PI)).collect()
 }
 
-/// A run records every signal: at a constant speed with an unbalance the line of the shaft is that of the linear analysis.
+/// A run records every signal. At a constant speed the motion at the disc is the linear response to unbalance.
 #[test]
 fn a_run_shows_the_response_to_unbalance() {
     let mut machine = motor_spindle();
     machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
-    let settings = MachineSettings { settle: Some(0.2), duration: 0.2, step: None, range: RANGE };
-    let begin = std::time::Instant::now();
+    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
-    println!("{:?}", begin.elapsed());
-    for (channel, metrics) in &result.channels {
-        println!("{} {:?}", channel.named(&machine), metrics);
-    }
-    println!("{:?} {:?} {:?}", result.accuracy, result.bearings, result.natural_frequencies);
-    for spectra in &result.spectra {
-        println!("{}", spectra.channel.named(&machine));
-        for line in spectra.lines.iter().take(12) {
-            println!("    {line:?}");
-        }
-    }
+    let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4 };
+    let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
+    let place = linear.stations.iter().find(|station| (station.at - 0.15).abs() < 1e-9).unwrap();
+    let amplitude = 1e6 * place.displacement[0][0].norm();
+    let of = |name: &str| {
+        let channel = MachineChannel::parse(name, &machine).unwrap();
+        result.channels.iter().find(|(of, _)| *of == channel).map(|(_, metrics)| metrics.clone()).unwrap()
+    };
+    let seen = 2.0_f64.sqrt() * of("sensor.probe.displacement").rms;
+    assert!((seen / amplitude - 1.0).abs() < 0.01, "{seen} µm, linear {amplitude} µm");
+    let line = result.spectra.last().unwrap().lines.first().unwrap();
+    assert!(line.label == "f_r" && (line.frequency - 100.0).abs() < 0.1, "{line:?}");
+    // Each bearing carries half of weight and load.
+    let carried = 0.5 * (100.0 + 9.81 * machine.rotor.shaft.mass());
+    assert!((of("A.force.y").mean / carried - 1.0).abs() < 1e-3, "{} N", of("A.force.y").mean);
+    assert_eq!(result.accuracy.step, 5.5e-6);
+    let worst = result.accuracy.errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
+    assert!(worst < 1e-2, "{:?}", result.accuracy);
+}
+
+/// Damping that turns along drives the whirl above its threshold speed: the run ends and names the cause.
+#[test]
+fn whirl_that_its_damping_drives_ends_with_the_cause() {
+    let mut machine = motor_spindle();
+    (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
+    machine.rotor.speed = 60_000.0 * RPM;
+    machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
+    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE };
+    let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
+    assert!(error.contains("rotating_share"), "{error}");
 }
