@@ -40,6 +40,7 @@ impl MachineDynamics {
     }
 
     /// Motion of the ring of a bearing, in its own axes, by the shaft's coordinates.
+    #[inline(always)]
     pub(crate) fn ring(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> SpindleState {
         let port = &self.frame.ports[bearing];
         self.bearings[bearing].ring(&port.of_place(place), &port.of_place(velocity))

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::input::{Machine, MachineError};
+use crate::numerics::lanes::LANES;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
 use crate::physics::spindle::unbalance_force;
@@ -38,16 +39,20 @@ pub struct Frame {
     basis: DMatrix<f64>,
 }
 
-/// Rows of displacements over the coordinates.
+/// Displacements of a place by each coordinate, padded, so that one pass over the coordinates gives all of them.
 #[derive(Debug, Clone)]
-pub struct Rows([Vec<f64>; PORT]);
+pub struct Rows(Vec<[f64; LANES]>);
 
-/// A matrix `constant` + Ω `by_speed`; `None`: zero.
+/// A matrix `constant` + Ω `by_speed`.
 #[derive(Debug, Clone)]
 struct Coupling {
-    constant: Option<Vec<f64>>,
-    by_speed: Option<Vec<f64>>,
+    constant: Rest,
+    by_speed: Rest,
 }
+
+/// Rows of a matrix, each from its first entry to its last one that is not zero.
+#[derive(Debug, Clone)]
+struct Rest(Vec<(usize, Vec<f64>)>);
 
 /// Forces of an unbalance along Y and Z over the coordinates, by 1 N.
 #[derive(Debug, Clone)]
@@ -96,12 +101,12 @@ impl Frame {
         });
         Ok(Self {
             velocity: Coupling {
-                constant: coupling(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
-                by_speed: coupling(&turned(system.gyroscopic())),
+                constant: Rest::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
+                by_speed: Rest::of(&turned(system.gyroscopic())),
             },
             place: Coupling {
-                constant: coupling(&turned(&(&stiffness - symmetric))),
-                by_speed: coupling(&turned(system.rotating())),
+                constant: Rest::of(&turned(&(&stiffness - symmetric))),
+                by_speed: Rest::of(&turned(system.rotating())),
             },
             ports: rotor.bearings.iter().map(|bearing| rows(bearing.at)).collect(),
             sensors: machine.sensors.iter().map(|sensor| rows(sensor.at)).collect(),
@@ -129,6 +134,7 @@ impl Frame {
     }
 
     /// Writes g: loads, unbalance and what couples coordinates, at an angle, speed and acceleration of the shaft.
+    #[inline(always)]
     pub fn forces(
         &self,
         (angle, speed, acceleration): (f64, f64, f64),
@@ -158,30 +164,38 @@ impl Frame {
 
 impl Rows {
     fn of(matrix: &DMatrix<f64>) -> Self {
-        Self(std::array::from_fn(|row| matrix.row(row).iter().copied().collect()))
+        let of = |column: usize| std::array::from_fn(|row| if row < PORT { matrix[(row, column)] } else { 0.0 });
+        Self((0..matrix.ncols()).map(of).collect())
     }
 
     /// Displacements, or velocities, of the place.
+    #[inline(always)]
     pub fn of_place(&self, coordinates: &[f64]) -> [f64; PORT] {
-        std::array::from_fn(|row| dot(&self.0[row], coordinates))
-    }
-
-    /// One displacement, or velocity, of the place.
-    pub fn row_of(&self, row: usize, coordinates: &[f64]) -> f64 {
-        dot(&self.0[row], coordinates)
+        // Two sums side by side: one would wait for itself with each coordinate.
+        let mut sums = [[0.0; LANES]; 2];
+        for (pair, values) in self.0.chunks(2).zip(coordinates.chunks(2)) {
+            for ((sum, by), value) in sums.iter_mut().zip(pair).zip(values) {
+                for lane in 0..LANES {
+                    sum[lane] += by[lane] * value;
+                }
+            }
+        }
+        std::array::from_fn(|row| sums[0][row] + sums[1][row])
     }
 
     /// Adds the forces on the coordinates of forces at the place.
+    #[inline(always)]
     pub fn add_forces(&self, wrench: &[f64; PORT], forces: &mut [f64]) {
-        for (row, value) in self.0.iter().zip(wrench) {
-            forces.iter_mut().zip(row).for_each(|(force, by)| *force += value * by);
+        let [x, y, z, about_y, about_z] = wrench;
+        for (force, by) in forces.iter_mut().zip(&self.0) {
+            *force += (x * by[0] + y * by[1]) + (z * by[2] + (about_y * by[3] + about_z * by[4]));
         }
     }
 
     /// Displacements of this place by forces at another, each coordinate with its weight.
     pub fn compliance(&self, other: &Self, weights: &[f64]) -> [[f64; PORT]; PORT] {
         let sum = |row: usize, column: usize| -> f64 {
-            self.0[row].iter().zip(&other.0[column]).zip(weights).map(|((a, b), weight)| a * b * weight).sum()
+            self.0.iter().zip(&other.0).zip(weights).map(|((a, b), weight)| a[row] * b[column] * weight).sum()
         };
         std::array::from_fn(|row| std::array::from_fn(|column| sum(row, column)))
     }
@@ -189,23 +203,42 @@ impl Rows {
 
 impl Coupling {
     /// Subtracts the product of the matrix at a speed with a vector.
+    #[inline(always)]
     fn subtract(&self, speed: f64, vector: &[f64], forces: &mut [f64]) {
-        let parts = [(&self.constant, 1.0), (&self.by_speed, speed)];
-        for (matrix, factor) in parts.into_iter().filter_map(|(matrix, factor)| Some((matrix.as_ref()?, factor))) {
-            for (force, row) in forces.iter_mut().zip(matrix.chunks_exact(vector.len())) {
-                *force -= factor * dot(row, vector);
-            }
+        self.constant.subtract(1.0, vector, forces);
+        self.by_speed.subtract(speed, vector, forces);
+    }
+}
+
+impl Rest {
+    fn of(matrix: &DMatrix<f64>) -> Self {
+        let row = |row: usize| {
+            let entries: Vec<f64> = matrix.row(row).iter().copied().collect();
+            let first = entries.iter().position(|entry| *entry != 0.0).unwrap_or_default();
+            let end = entries.iter().rposition(|entry| *entry != 0.0).map_or(first, |last| last + 1);
+            (first, entries[first..end].to_vec())
+        };
+        Self((0..matrix.nrows()).map(row).collect())
+    }
+
+    #[inline(always)]
+    fn subtract(&self, factor: f64, vector: &[f64], forces: &mut [f64]) {
+        for (force, (first, row)) in forces.iter_mut().zip(&self.0).filter(|(_, (_, row))| !row.is_empty()) {
+            *force -= factor * dot(row, &vector[*first..]);
         }
     }
 }
 
-/// Rows of a matrix; `None` where it is zero.
-fn coupling(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
-    (matrix.amax() > 0.0).then(|| matrix.transpose().iter().copied().collect())
-}
-
+/// Σ a b over the shorter length, in four sums side by side.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 4];
+    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 /// A mesh on which the free modes up to an angular frequency [rad/s] have converged, and their number in each plane.
