@@ -26,8 +26,8 @@ pub(crate) struct Loads {
 
 impl MachineDynamics {
     /// The equations of a machine with free modes up to `range` times the band of levels.
-    pub fn new(machine: &Machine, range: f64) -> Result<Self, MachineError> {
-        let frame = Frame::of(machine, range)?;
+    pub fn new(machine: &Machine, range: f64, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
+        let frame = Frame::of(machine, range, stop)?;
         let bearings = bearings(machine, &frame)?;
         Ok(Self { frame, bearings, speed: machine.speed.clone() })
     }

@@ -8,13 +8,15 @@ use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
 use crate::physics::spindle::unbalance_force;
 use crate::rotor::coordinates::Coordinates;
-use crate::rotor::input::{Rotor, RotorError};
+use crate::rotor::input::Rotor;
 use crate::rotor::system::System;
 use crate::simulation::recording::sampling::BAND;
 
 /// Elements of the first mesh over the length of the shaft, and the most of any.
 const FIRST_ELEMENTS: f64 = 16.0;
 const MOST_ELEMENTS: usize = 800;
+/// Most flexible modes in a plane: the eigenvalues of their system take seconds.
+const MOST_MODES: usize = 128;
 /// Change of a kept frequency by halved elements, below which a mesh is fine enough [-].
 const CONVERGED: f64 = 1e-4;
 
@@ -64,9 +66,11 @@ struct Plane {
 
 impl Frame {
     /// Free modes up to `range` times the band of levels.
-    pub fn of(machine: &Machine, range: f64) -> Result<Self, MachineError> {
+    ///
+    /// `stop` is polled for each mesh; true ends the analysis.
+    pub fn of(machine: &Machine, range: f64, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
         let rotor = &machine.rotor;
-        let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND)?;
+        let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND, stop)?;
         let system = System::of(rotor, mesh, count, &[rotor.speed])?;
         let size = system.coordinates.len();
         let own: Vec<f64> = system.coordinates.squares().collect();
@@ -242,12 +246,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// A mesh on which the free modes up to an angular frequency [rad/s] have converged, and their number in each plane.
-fn mesh(machine: &Machine, highest: f64) -> Result<(Mesh, usize), RotorError> {
+fn mesh(machine: &Machine, highest: f64, stop: &dyn Fn() -> bool) -> Result<(Mesh, usize), MachineError> {
     let mut longest = machine.rotor.shaft.length() / FIRST_ELEMENTS;
     let mut coarse: Option<Vec<f64>> = None;
     loop {
         let mesh = Mesh::new(&machine.rotor.shaft, &stations(machine), longest);
-        let (frequencies, count) = free_modes(&machine.rotor, &mesh, highest)?;
+        let (frequencies, count) = free_modes(&machine.rotor, &mesh, highest, stop)?;
         let is_close = |coarse: &Vec<f64>| {
             let kept = frequencies.iter().zip(coarse).take_while(|(fine, _)| **fine <= highest);
             kept.clone().count() > 0 && kept.clone().all(|(fine, coarse)| (fine - coarse).abs() <= CONVERGED * fine)
@@ -261,9 +265,20 @@ fn mesh(machine: &Machine, highest: f64) -> Result<(Mesh, usize), RotorError> {
 }
 
 /// Angular frequencies of the modes of a plane, rigid ones included, up to the first beyond `highest`, and the number of flexible ones.
-fn free_modes(rotor: &Rotor, mesh: &Mesh, highest: f64) -> Result<(Vec<f64>, usize), RotorError> {
+fn free_modes(
+    rotor: &Rotor,
+    mesh: &Mesh,
+    highest: f64,
+    stop: &dyn Fn() -> bool,
+) -> Result<(Vec<f64>, usize), MachineError> {
     let mut count = 4;
     loop {
+        if stop() {
+            return Err(MachineError::Stopped(0.0));
+        }
+        if count > MOST_MODES {
+            return Err(MachineError::TooManyModes(MOST_MODES));
+        }
         let coordinates = Coordinates::of(rotor, mesh.clone(), count)?;
         if coordinates.highest() >= highest {
             let frequencies = coordinates.frequencies();
