@@ -8,6 +8,7 @@ pub mod signals;
 pub mod views;
 
 pub mod optimum;
+pub mod orders;
 pub mod ross;
 pub mod rotor;
 pub mod rotor_model;
