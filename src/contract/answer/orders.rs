@@ -442,3 +442,81 @@ impl WaterfallAnswer {
         npy_table(self.speed_rpm.len() + 1, self.axis.len() + 1, first.chain(rows))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::scene_from_json;
+
+    #[test]
+    fn tables_of_a_waterfall_have_the_axis_in_the_first_row() {
+        let answer = WaterfallAnswer {
+            channel: "spindle.y.acceleration".into(),
+            unit: "m/s²".into(),
+            axis_unit: WaterfallAxis::Order,
+            reference: ReferenceName::Shaft,
+            window: "hann".into(),
+            window_s: None,
+            smear_bins: None,
+            smear_order: None,
+            turns_per_block: Some(2),
+            resolution: 0.5,
+            order_lines: Vec::new(),
+            speed_rpm: vec![600.0, 900.0],
+            time_s: vec![0.1, 0.2],
+            axis: vec![0.0, 0.5, 1.0],
+            amplitude: vec![0.0, 0.25, 1.5, 0.0, 0.125, 2.0],
+        };
+        assert_eq!(answer.csv(), "speed_rpm,0,0.5,1\n600,0,0.25,1.5\n900,0,0.125,2\n");
+        let array = answer.npy();
+        let head = array.len() - 3 * 4 * size_of::<f32>();
+        assert!(head.is_multiple_of(64) && array[..head].ends_with(b"\n"));
+        assert!(String::from_utf8_lossy(&array[..head]).contains("'<f4', 'fortran_order': False, 'shape': (3, 4)"));
+        let value = |place: usize| f32::from_le_bytes(array[head + 4 * place..][..4].try_into().unwrap());
+        assert_eq!([value(0), value(3), value(4), value(6), value(11)], [0.0, 1.0, 600.0, 0.25, 2.0]);
+    }
+
+    /// A tone of nine periods in a turn of the cage of a 6205 is BPFO, whatever the cage slips.
+    #[test]
+    fn named_orders_follow_the_simulated_cage() {
+        let scene =
+            r#"{"bearing": "6205", "operation": {"speed_rpm": [{"at_s": 0, "rpm": 1200}, {"at_s": 1, "rpm": 4800}]}}"#;
+        let run = RecordedTurns::of(&scene_from_json(scene).unwrap(), 0.0, 1.0);
+        let (mut input, mut defaults) = (OrdersInput::default(), Default::default());
+        input.tracks = Some(vec!["BPFO".into(), "1".into()]);
+        let request = input.resolve(&run, &mut defaults).unwrap();
+        let signal = AnalysedSignal {
+            channel: "spindle.y.acceleration".into(),
+            unit: "m/s²".into(),
+            start_s: 0.0,
+            step_s: 1.0 / 102_400.0,
+            has_cage: true,
+            has_ball: true,
+        };
+        let mut running = RunningOrders::new(signal.clone(), request, &run).unwrap();
+        let mut cage_turns = 0.0;
+        for i in 0..102_400 {
+            let time = f64::from(i) / 102_400.0;
+            let cage = 0.39 * (20.0 + 60.0 * time) * (1.0 - 0.02 * time);
+            running.push(Value {
+                signal: (9.0 * std::f64::consts::TAU * cage_turns).sin(),
+                cage: Some(cage),
+                ball: Some(-2.3 * (20.0 + 60.0 * time)),
+            });
+            cage_turns += cage / 102_400.0;
+        }
+        let answer = running.finish();
+        assert_eq!((answer.averages, answer.speed_rpm.len(), answer.names_follow), (2, 2, NamesFollow::Simulated));
+        assert!((answer.turns - 50.0).abs() < 1e-3);
+        assert!(
+            answer.tracks[0].amplitude.iter().all(|amplitude| (amplitude - 1.0).abs() < 2e-3),
+            "{:?}",
+            answer.tracks
+        );
+        assert!((answer.tracks[0].order - 9.0 * 0.39 * (1.0 - 0.02 * 0.6)).abs() < 0.01, "{}", answer.tracks[0].order);
+        assert!(
+            answer.tracks[1].amplitude.iter().all(|amplitude| *amplitude < 1e-3)
+                && answer.csv().starts_with("speed_rpm,time_s,BPFO [m/s²],1 [m/s²]\n")
+        );
+    }
+}

@@ -309,6 +309,45 @@ fn track(name: &str, balls: f64, reference: Reference) -> Option<(String, Combin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contract::scene_from_json;
+
+    /// A run-up of a 6205 by 600 turns in 20 s.
+    fn run_up() -> RecordedTurns {
+        let scene =
+            r#"{"bearing": "6205", "operation": {"speed_rpm": [{"at_s": 0, "rpm": 600}, {"at_s": 20, "rpm": 3000}]}}"#;
+        RecordedTurns::of(&scene_from_json(scene).unwrap(), 0.0, 20.0)
+    }
+
+    #[test]
+    fn defaults_follow_the_run() {
+        let (mut input, mut defaults) = (OrdersInput::default(), Defaults::default());
+        let request = input.resolve(&run_up(), &mut defaults).unwrap();
+        let settings =
+            OrderSettings { reference: Reference::Shaft, max_order: 100.0, turns_per_block: 32, overlap: 0.5 };
+        assert_eq!((request.settings, defaults.errors.len()), (settings, 0));
+        let names: Vec<&str> = request.tracks.iter().map(|track| track.0.as_str()).collect();
+        assert_eq!(names, DEFAULT_TRACKS);
+    }
+
+    #[test]
+    fn windows_are_the_sharpest_and_their_bins_are_limited() {
+        let (run, settings) = (
+            run_up(),
+            OrderSettings { reference: Reference::Shaft, max_order: 100.0, turns_per_block: 32, overlap: 0.9 },
+        );
+        // BPFI is order 5.415, and the speed changes by 2 Hz/s.
+        let sharpest = time_windows(&run, &settings, None, None).unwrap();
+        assert!((sharpest.window() - 0.3039).abs() < 1e-4 && sharpest.max_frequency == 5000.0, "{sharpest:?}");
+        let error = time_windows(&run, &settings, Some(0.2), Some(51_200.0)).unwrap_err();
+        assert!(error.detail.contains("bins: at most 4000000: lower max_frequency_hz"), "{}", error.detail);
+        for (window, frequency, field) in [
+            (Some(21.0), None, "window_s"),
+            (None, Some(0.0), "max_frequency_hz"),
+            (None, Some(6e4), "max_frequency_hz"),
+        ] {
+            assert_eq!(time_windows(&run, &settings, window, frequency).unwrap_err().pointer, field);
+        }
+    }
 
     #[test]
     fn orders_have_one_name_each() {
