@@ -1,7 +1,7 @@
 //! Orders of a run: the mean order spectrum, and tracks of orders over the shaft speed.
 
 use super::axis::{Scale, decade, ticks};
-use super::svg::{Anchor, Drawing};
+use super::svg::{Anchor, COLOURS, Drawing};
 use raceway_core::numerics::statistics::thin;
 
 /// Amplitude of one order over the shaft speed.
@@ -49,21 +49,18 @@ pub fn orders_svg(title: &str, subtitle: &str, plot: &OrderPlot<'_>) -> String {
 fn draw_spectrum(drawing: &mut Drawing, plot: &OrderPlot<'_>) {
     let (right, bottom) = (WIDTH - RIGHT, TOP + PANEL);
     let highest = (plot.amplitude.len().max(2) - 1) as f64 * plot.resolution;
-    let largest = plot.amplitude.iter().copied().fold(f64::MIN_POSITIVE, f64::max).log10();
+    let largest = plot.amplitude.iter().copied().fold(0.0, f64::max);
     let x = Scale { values: (0.0, highest), positions: (LEFT, right) };
-    let y = Scale { values: (largest.ceil() - DECADES, largest.ceil()), positions: (bottom, TOP) };
+    let y = decades(largest, (bottom, TOP));
     drawing.rectangle("panel", LEFT, TOP, right - LEFT, PANEL);
     for (value, text) in ticks(x.values, 10) {
         drawing.line("grid", (x.at(value), TOP), (x.at(value), bottom));
         drawing.text("", Anchor::Middle, x.at(value), bottom + 17.0, &text);
     }
-    for exponent in y.values.0 as i32..=y.values.1 as i32 {
-        drawing.line("grid", (LEFT, y.at(f64::from(exponent))), (right, y.at(f64::from(exponent))));
-        drawing.text("", Anchor::End, LEFT - 7.0, y.at(f64::from(exponent)) + 4.5, &decade(exponent));
-    }
-    let level = |amplitude: f64| amplitude.max(f64::MIN_POSITIVE).log10().clamp(y.values.0, y.values.1);
+    draw_decades(drawing, &y, right);
     let places = thin(plot.amplitude, MOST_POINTS);
-    drawing.curve(0, places.into_iter().map(|k| (x.at(k as f64 * plot.resolution), y.at(level(plot.amplitude[k])))));
+    drawing
+        .curve(0, places.into_iter().map(|k| (x.at(k as f64 * plot.resolution), y.at(level(plot.amplitude[k], &y)))));
     let mut free = 0.0;
     let mut tracks: Vec<&TrackCurve<'_>> = plot.tracks.iter().filter(|track| track.order <= highest).collect();
     tracks.sort_by(|one, other| one.order.total_cmp(&other.order));
@@ -91,24 +88,45 @@ fn draw_tracks(drawing: &mut Drawing, plot: &OrderPlot<'_>, top: f64) {
     }
     let widened = if speeds.0 < speeds.1 { speeds } else { (speeds.0 - 1.0, speeds.0 + 1.0) };
     let x = Scale { values: widened, positions: (LEFT, right) };
-    let y = Scale { values: (0.0, 1.05 * largest), positions: (bottom, top) };
+    let y = decades(largest, (bottom, top));
     for (value, text) in ticks(x.values, 8) {
         drawing.line("grid", (x.at(value), top), (x.at(value), bottom));
         drawing.text("", Anchor::Middle, x.at(value), bottom + 17.0, &text);
     }
-    for (value, text) in ticks(y.values, 5) {
-        drawing.line("grid", (LEFT, y.at(value)), (right, y.at(value)));
-        drawing.text("", Anchor::End, LEFT - 7.0, y.at(value) + 4.5, &text);
-    }
+    draw_decades(drawing, &y, right);
     for (number, track) in plot.tracks.iter().enumerate() {
-        let points = plot.speed.iter().zip(track.amplitude);
-        drawing.curve(number, points.map(|(speed, amplitude)| (x.at(*speed), y.at(*amplitude))));
-        let level = top + 14.0 + 18.0 * number as f64;
-        drawing.curve(number, [(right + 10.0, level - 4.0), (right + 30.0, level - 4.0)]);
-        drawing.text("", Anchor::Start, right + 36.0, level, track.name);
+        let points = || plot.speed.iter().zip(track.amplitude).map(|(speed, a)| (x.at(*speed), y.at(level(*a, &y))));
+        let height = top + 14.0 + 18.0 * number as f64;
+        let of_legend = [(right + 10.0, height - 4.0), (right + 30.0, height - 4.0)];
+        drawing.curve(number, points());
+        drawing.curve(number, of_legend);
+        // Colours repeat; curves of the second round have dots.
+        if number >= COLOURS {
+            points().chain(of_legend).for_each(|(x, y)| drawing.dot(number, x, y));
+        }
+        drawing.text("", Anchor::Start, right + 36.0, height, track.name);
     }
     drawing.upright_text("", 18.0, top + 0.5 * PANEL, plot.unit);
     drawing.text("", Anchor::Middle, 0.5 * (LEFT + right), bottom + 38.0, "shaft speed in r/min");
+}
+
+/// Scale of the decades below the largest amplitude.
+fn decades(largest: f64, positions: (f64, f64)) -> Scale {
+    let highest = largest.max(f64::MIN_POSITIVE).log10().ceil();
+    Scale { values: (highest - DECADES, highest), positions }
+}
+
+/// Logarithm of an amplitude within a scale.
+fn level(amplitude: f64, y: &Scale) -> f64 {
+    amplitude.max(f64::MIN_POSITIVE).log10().clamp(y.values.0, y.values.1)
+}
+
+fn draw_decades(drawing: &mut Drawing, y: &Scale, right: f64) {
+    for exponent in y.values.0 as i32..=y.values.1 as i32 {
+        let at = y.at(f64::from(exponent));
+        drawing.line("grid", (LEFT, at), (right, at));
+        drawing.text("", Anchor::End, LEFT - 7.0, at + 4.5, &decade(exponent));
+    }
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ const STYLE: &str = "\
 .raceway-plot .f3{fill:#e08fe0}.raceway-plot .f4{fill:#b4bec8}}";
 
 /// Number of colours before they repeat.
-const COLOURS: usize = 5;
+pub const COLOURS: usize = 5;
 
 /// Alignment of a text at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -167,8 +167,10 @@ pub enum WaterfallAxis {
 /// A labelled order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct OrderLineAnswer {
+    /// A number or a name.
     #[schema(example = "BPFO")]
     pub name: String,
+    /// Mean order over the recorded time.
     pub order: f64,
 }
 

@@ -26,7 +26,7 @@ pub struct OrdersInput {
     /// speeds of cage and ball. Default: those of 1, 2, FTF, BPFO, 2·BPFO, BPFI and 2·BSF up to `max_order`.
     #[schema(nullable = false, max_items = 32, example = json!(["1", "BPFO", "2·BPFO"]))]
     pub tracks: Option<Vec<String>>,
-    /// Highest order. Default: 100, or the order of 20 kHz at the highest speed if that is lower.
+    /// Highest order. Default: four times that of BPFI, or the order of 20 kHz at the highest speed if that is lower.
     #[schema(nullable = false, example = 40)]
     pub max_order: Option<f64>,
     /// Turns of the reference in a block; the order resolution is its reciprocal. Default: 32, or all turns of a shorter run.
@@ -105,6 +105,8 @@ pub struct OrderRequest {
 
 const REVERSES: &str = "the shaft reverses within the recorded time: orders need one direction";
 const OF: &str = "/outputs/orders";
+/// Default of the highest order over that of BPFI [-].
+const USUAL_MULTIPLE: f64 = 4.0;
 const DEFAULT_CHANNEL: &str = "spindle.y.acceleration";
 const DEFAULT_TRACKS: [&str; 7] = ["1", "2", "FTF", "BPFO", "2·BPFO", "BPFI", "2·BSF"];
 const MOST_CHANNELS: usize = 8;
@@ -153,7 +155,8 @@ impl OrdersInput {
             defaults.refuse(OF, detail);
             return None;
         }
-        let usual = significant((BAND / fastest).min(100.0), 3);
+        let of_bearing = (USUAL_MULTIPLE * run.ratios.ball_pass_inner / ratio).ceil();
+        let usual = significant((BAND / fastest).min(of_bearing), 3);
         let max_order = defaults.fill(format!("{OF}/max_order"), &mut self.max_order, usual);
         // The product of order and speed is rounded.
         let highest = significant(highest_order(RATE, fastest), 6);
@@ -172,9 +175,7 @@ impl OrdersInput {
             defaults.refuse(format!("{OF}/turns_per_block"), detail);
         }
         let overlap = defaults.fill(format!("{OF}/overlap"), &mut self.overlap, 0.5);
-        if !(0.0..=0.9).contains(&overlap) {
-            defaults.refuse(format!("{OF}/overlap"), out_of_range(overlap, 0.0, 0.9, false, ""));
-        }
+        defaults.check(&format!("{OF}/overlap"), overlap);
         if defaults.errors.len() > faults {
             return None;
         }
@@ -323,7 +324,7 @@ mod tests {
         let (mut input, mut defaults) = (OrdersInput::default(), Defaults::default());
         let request = input.resolve(&run_up(), &mut defaults).unwrap();
         let settings =
-            OrderSettings { reference: Reference::Shaft, max_order: 100.0, turns_per_block: 32, overlap: 0.5 };
+            OrderSettings { reference: Reference::Shaft, max_order: 22.0, turns_per_block: 32, overlap: 0.5 };
         assert_eq!((request.settings, defaults.errors.len()), (settings, 0));
         let names: Vec<&str> = request.tracks.iter().map(|track| track.0.as_str()).collect();
         assert_eq!(names, DEFAULT_TRACKS);
