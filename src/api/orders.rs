@@ -21,7 +21,7 @@ use super::stored_answer::{CSV, JSON, NPY, SVG, formatted, json_text, respond, s
 use crate::contract::answer::orders::{
     AnalysedSignal, OrdersAnswer, RunningOrders, RunningWaterfall, WaterfallAnswer, WaterfallAxis,
 };
-use crate::contract::job::orders::{OrdersInput, RecordedTurns, ReferenceName, time_windows};
+use crate::contract::job::orders::{OrdersInput, RecordedTurns, ReferenceName, first_channel, time_windows};
 use crate::contract::{FieldError, Job, Simulation, parse_job};
 use crate::jobs::{JobError, Signal, StoredSeries};
 use crate::plots::draw;
@@ -268,8 +268,8 @@ impl Kept {
     async fn of(app: &App, owner: &str, id: Uuid, channel: Option<String>) -> Result<Self, ApiError> {
         let record = app.jobs.get(owner, id).await?;
         let kept = app.jobs.channels(owner, id, Signal::Series).await?;
-        let of_request = || Some(simulation(&record.request).ok()?.outputs.orders?.channels?.into_iter().next()?);
-        let channel = channel.or_else(of_request).or_else(|| kept.first().cloned()).unwrap_or_default();
+        let channel =
+            channel.or_else(|| first_channel(&record.request)).or_else(|| kept.first().cloned()).unwrap_or_default();
         let series = series_of(app, owner, id, &channel).await?;
         let [cage, ball] = [Channel::CageSpeed, Channel::BallSpin(0)].map(|channel| channel.to_string());
         let other = async |name: String| match kept.contains(&name) {

@@ -314,7 +314,9 @@ mod tests {
             "Acceleration of the spindle",
             "article-integrated & <more>",
             &[curve("spindle.y.acceleration", &y_amplitude, &y), curve("spindle.z.acceleration", &z_amplitude, &z)],
+            Some("waterfall.svg"),
         );
+        assert!(svg.contains("<a href=\"waterfall.svg\">"));
         assert_well_formed(&svg);
         for text in
             ["m/s²", "frequency in kHz", "resolution 10 Hz", ">20<", ">0.01<", ">BPFO<", ">BPFO + f_r<", ">2·BSF<"]

@@ -265,6 +265,13 @@ pub fn time_windows(
     }
 }
 
+/// The first analysed channel of a request; `None` where it asks for no orders.
+pub fn first_channel(request: &str) -> Option<String> {
+    let request: serde_json::Value = serde_json::from_str(request).ok()?;
+    let orders = request.pointer("/outputs/orders")?;
+    Some(orders.pointer("/channels/0").and_then(|name| name.as_str()).unwrap_or(DEFAULT_CHANNEL).to_owned())
+}
+
 /// Channels with the simulated turns of cage and ball, which an order analysis keeps beside its own.
 pub fn turning_channels(scene: &Scene) -> Vec<Channel> {
     let cage = has_cage(scene).then_some(Channel::CageSpeed);
