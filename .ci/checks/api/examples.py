@@ -36,6 +36,15 @@ RUN_UP = {
     "settle_s": 0.05, "duration_s": 0.4,
     "outputs": {"spectra": [], "orders": {"tracks": ["1", "BPFO"], "turns_per_block": 8}},
 }
+MACHINE = {
+    "kind": "machine",
+    "scene": {
+        "shaft": {"sections": [{"length_mm": 300, "outer_diameter_mm": 25}], "unbalances": [{"at_mm": 150, "unbalance_g_mm": 20}]},
+        "bearings": [{"name": name, "bearing": "6205", "at_mm": at, "faces": faces} for name, at, faces in (("A", 40, "+x"), ("B", 260, "-x"))],
+        "preloads": [{"between": ["A", "B"], "force_n": 200}],
+        "operation": {"speed_rpm": 6000}},
+    "duration_s": 0.02, "settle_s": 0.02,
+}
 # Number of entries of a long list or map.
 SHOWN = 2
 MAPS = ("bearings", "materials", "lubricants", "channels", "best", "trends")
@@ -92,6 +101,9 @@ def recorded(running):
     rotor = running.submit(ROTOR)[0]
     running.ended(rotor)
     examples["getRotor"] = {"200": answer("GET", f"{rotor}/rotor")}
+    machine = running.submit(MACHINE)[0]
+    running.ended(machine)
+    examples["getMachine"] = {"200": answer("GET", f"{machine}/machine")}
     examples["isAlive"] = {"200": answer("GET", "/health/live")}
     examples["isReady"] = {"200": answer("GET", "/health/ready")}
     return examples
