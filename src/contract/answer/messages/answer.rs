@@ -99,6 +99,7 @@ pub enum MessageCode {
     MissedResonance,
     BridgedTroughs,
     RoughContact,
+    WavesLeftOut,
     TrackOffEquator,
     MergedCageLines,
     CandidateRejected,
