@@ -23,7 +23,7 @@ pub enum Inapplicable {
     #[error("a ball has a defect (scene.surfaces.balls), which may part it from its raceways at any place")]
     BallDefects,
     #[error(
-        "a ball may leave its raceways over a defect (scene.surfaces.{ring}.defects): where {load:.2} N press it, its path takes {needed:.2} N"
+        "a ball may leave its raceways over a defect (scene.surfaces.{ring}.defects): a contact has {load:.2} N there, and the path takes {needed:.2} N of them"
     )]
     BallLeavesDefect { ring: &'static str, load: f64, needed: f64 },
     #[error("an axial load acts")]

@@ -42,7 +42,7 @@ pub(super) fn ball_leaves(scene: &Scene, outputs: &Outputs) -> Option<Inapplicab
     on_outer.or_else(|| inner.defects.iter().find_map(|recess| leaves("inner", recess, largest, |share| -share)))
 }
 
-/// Load of a contact without the inertia of the ball, and the part of it that the ball's acceleration takes [N].
+/// Load of a contact without the inertia of the ball, and what the acceleration of the ball takes from it, negative where it adds [N].
 struct Hold {
     load: f64,
     needed: f64,
