@@ -21,6 +21,8 @@
 //! The names at the root are those that a user of the crate needs; they rest on the types of their fields. Everything else in the
 //! modules is unstable: internal to the service.
 
+/// A flexible shaft on ball bearings, in time. Unstable: internal to the service.
+pub mod machine;
 /// Mathematics: integrators, spectra, special functions. Knows no bearing. Unstable: internal to the service.
 pub mod numerics;
 /// The bearing: contacts, bodies, forces. Knows no clock and no JSON. Its formulas are unstable: internal to the service.

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::comparison::Comparison;
 use super::kind::JobKind;
+use super::machine::MachineJob;
 use super::rotor::RotorJob;
 use super::search::Search;
 use super::simulation::{Simulation, Submission};
@@ -19,6 +20,7 @@ pub enum Job {
     Optimum(Search),
     Accuracy(Comparison),
     Rotor(Box<RotorJob>),
+    Machine(Box<MachineJob>),
 }
 
 impl Job {
@@ -30,6 +32,7 @@ impl Job {
             JobKind::Optimum => Search::of(request).map(Self::Optimum),
             JobKind::Accuracy => Comparison::of(request).map(Self::Accuracy),
             JobKind::Rotor => RotorJob::of(request).map(|job| Self::Rotor(Box::new(job))),
+            JobKind::Machine => MachineJob::of(request).map(|job| Self::Machine(Box::new(job))),
         }
     }
 
@@ -52,17 +55,19 @@ impl Job {
             Self::Optimum(_) => JobKind::Optimum,
             Self::Accuracy(_) => JobKind::Accuracy,
             Self::Rotor(_) => JobKind::Rotor,
+            Self::Machine(_) => JobKind::Machine,
         }
     }
 
-    /// The simulation itself, or what all runs of the job share; `None` for a rotor job, which simulates nothing.
+    /// The simulation itself, or what all runs of the job share; `None` for rotor and machine jobs, whose scene is
+    /// that of a shaft.
     pub fn base(&self) -> Option<&Simulation> {
         match self {
             Self::Simulation(simulation) => Some(simulation),
             Self::Study(study) => Some(&study.base),
             Self::Optimum(search) => Some(&search.base),
             Self::Accuracy(comparison) => Some(&comparison.base),
-            Self::Rotor(_) => None,
+            Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
 
@@ -73,10 +78,11 @@ impl Job {
             Self::Optimum(search) => &search.base.submission,
             Self::Accuracy(comparison) => &comparison.base.submission,
             Self::Rotor(rotor) => &rotor.submission,
+            Self::Machine(machine) => &machine.submission,
         }
     }
 
-    /// The scene of the simulations; `None` for a rotor job.
+    /// The scene of the simulations; `None` for rotor and machine jobs.
     pub fn scene(&self) -> Option<&Scene> {
         self.base().map(Simulation::scene)
     }
@@ -102,7 +108,7 @@ impl Job {
         match self {
             Self::Study(study) => Some(study.points),
             Self::Optimum(search) => Some(search.most_runs()),
-            Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
+            Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
 
@@ -114,6 +120,7 @@ impl Job {
             Self::Optimum(search) => search.canonical().to_string(),
             Self::Accuracy(comparison) => comparison.complete().to_string(),
             Self::Rotor(rotor) => rotor.complete().to_string(),
+            Self::Machine(machine) => machine.complete().to_string(),
         }
     }
 
@@ -122,6 +129,7 @@ impl Job {
         let mut job = match self {
             Self::Accuracy(comparison) => return comparison.complete(),
             Self::Rotor(rotor) => return rotor.complete(),
+            Self::Machine(machine) => return machine.complete(),
             Self::Simulation(simulation) => simulation.complete(),
             Self::Study(study) => study.base.complete(),
             Self::Optimum(search) => search.base.complete(),

@@ -59,6 +59,10 @@ pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
     }
     match simulation_by_default(request)? {
         Job::Rotor(_) => Err(FieldError::new("/kind", "`rotor` has nothing to resolve: post it to /v1/rotor").into()),
+        Job::Machine(_) => {
+            let detail = "`machine` has nothing to resolve: post its scene to /v1/rotor, as `kind` `rotor`";
+            Err(FieldError::new("/kind", detail).into())
+        }
         job => Ok(job),
     }
 }

@@ -5,6 +5,7 @@ pub(crate) mod angle;
 pub(crate) mod banded;
 pub(crate) mod bordered;
 pub(crate) mod decimation;
+pub(crate) mod dense;
 pub mod elliptic;
 pub(crate) mod exponential;
 pub(crate) mod interpolation;

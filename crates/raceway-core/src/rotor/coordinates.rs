@@ -61,6 +61,12 @@ impl Coordinates {
         if is_complete { f64::INFINITY } else { self.bending.squares[self.bending.true_modes - 1].max(0.0).sqrt() }
     }
 
+    /// Angular frequencies of the true modes of a plane, rigid motions included, rising [rad/s].
+    pub fn frequencies(&self) -> Vec<f64> {
+        let squares = self.bending.squares.iter().take(self.bending.true_modes);
+        squares.map(|square| square.max(0.0).sqrt()).collect()
+    }
+
     /// Displacements x, y, z, β_y, β_z of a node, a row each, of the coordinates.
     pub fn port(&self, node: usize) -> DMatrix<f64> {
         let mut rows = DMatrix::zeros(PORT, self.len());

@@ -9,15 +9,15 @@ pub mod result;
 
 pub mod analysis;
 
-mod coordinates;
-mod operating;
-mod system;
+pub(crate) mod coordinates;
+pub(crate) mod operating;
+pub(crate) mod system;
 
 mod campbell;
 mod critical;
 mod deflection;
 mod shape;
-mod unbalance;
+pub(crate) mod unbalance;
 
 #[cfg(test)]
 mod tests;

@@ -154,6 +154,11 @@ impl System {
         &self.gyroscopic
     }
 
+    /// Factor of the speed in the matrix of the displacements: damping that turns along.
+    pub fn rotating(&self) -> &DMatrix<f64> {
+        &self.rotating
+    }
+
     /// Every oscillation at a speed, slowest first.
     pub fn oscillations(&self, speed: f64) -> Result<Vec<Oscillation>, RotorError> {
         let (stiffness, damping) = self.matrices(speed);

@@ -3,6 +3,7 @@
 
 mod search;
 
+pub(crate) use search::on_ring;
 pub use search::{Equilibrium, equilibrium, spindle_stiffness};
 
 use crate::physics::operation::InitialPerturbation;

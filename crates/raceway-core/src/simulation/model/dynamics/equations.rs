@@ -96,11 +96,28 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     /// `evaluate`, `LANES` balls side by side.
     #[inline(always)]
-    fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], mut watch: Option<&mut (dyn Watch + '_)>) {
+    fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
+        let layout = self.mechanism.layout;
+        let spindle = layout.spindle(y);
+        let (border, reaction, on_tilt) = self.bearing_by(time, y, spindle, dy, watch);
+        layout.set_spindle(dy, &self.spindle_rates(&border, reaction.spindle, on_tilt));
+    }
+
+    /// Writes the rates of balls and cage at a motion of the inner ring. Returns the reaction of the balls, and their moment on a ring that
+    /// tilts.
+    #[inline(always)]
+    pub(super) fn bearing_by(
+        &self,
+        time: f64,
+        y: &[f64],
+        ring: SpindleState,
+        dy: &mut [f64],
+        mut watch: Option<&mut (dyn Watch + '_)>,
+    ) -> (Border, Reaction, Vector) {
         let layout = self.mechanism.layout;
         // The state is gathered before the border: the scalar stores reach the cache before the vector loads.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
-        let border = self.border(layout.cage(y), layout.spindle(y), time);
+        let border = self.border(layout.cage(y), ring, time);
         let (mut sum, mut on_tilt) = (Reaction::default(), [0.0; 3]);
         let mut balls = Balls::new(layout.tilting_spindle);
         for first in (0..layout.balls).step_by(LANES) {
@@ -126,7 +143,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             });
         }
         layout.set_cage(dy, &self.cage_rates(&border, &sum));
-        layout.set_spindle(dy, &self.spindle_rates(&border, sum.spindle, on_tilt));
+        (border, sum, on_tilt)
     }
 
     /// Evaluates motion, rates and reactions of the balls from `first` on.

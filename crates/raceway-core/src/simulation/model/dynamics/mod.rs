@@ -10,6 +10,7 @@ mod forces;
 mod jacobian;
 mod neighbours;
 mod ode_system;
+pub(crate) mod on_ring;
 mod one_ball;
 mod semi_implicit;
 mod watch;

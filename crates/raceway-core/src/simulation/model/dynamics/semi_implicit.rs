@@ -14,12 +14,13 @@
 //! Adams–Moulton under the loads after the balls' corrections. Long steps damp contact resonances far above the band of interest, as in
 //! a radially condensed ball. They do not resolve a collision of balls, at which the method ends.
 
-mod correction;
+pub(super) mod correction;
 
 use std::array::from_fn;
 use std::cell::{Cell, OnceCell};
 
 use super::ball_group::{Balls, Slopes};
+use super::border::Border;
 use super::equations::Dynamics;
 use super::forces::Reaction;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
@@ -28,7 +29,7 @@ use crate::numerics::ode::{Choice, ChoiceReason, IntegrationError, Integrator, M
 use crate::physics::frames::Vector;
 use crate::simulation::model::state::{BallAttitude, BallState, CageState, SpindleState};
 use crate::simulation::model::step_loads::PackedStepLoads;
-use correction::{Corrected, Stiff, corrected_cage};
+use correction::{Corrected, RingResistance, Stiff, corrected_cage};
 
 /// Nodes of the spindle's formulas, and number of stored states.
 const NODES: usize = 4;
@@ -75,7 +76,7 @@ impl Formulas {
 
 /// State and rates at one time.
 #[derive(Debug, Clone)]
-struct Node {
+pub(super) struct Node {
     balls: Vec<BallState<Lanes>>,
     rates: Vec<BallState<Lanes>>,
     /// Attitudes of the balls and their rates; empty where they have none.
@@ -140,7 +141,8 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         });
         let nodes = from_fn(|_| node.clone());
         let (work, formulas) = (Statistics::default(), Formulas::new(1));
-        let (balls, slopes, corrected) = (Balls::default(), Slopes::default(), Corrected::default());
+        let balls = Balls::new(layout.tilting_spindle);
+        let (slopes, corrected) = (Slopes::default(), Corrected::default());
         let (previous, flat, room) = (time, OnceCell::new(), Cell::new(vec![0.0; layout.dimension()]));
         let step_loads = vec![0.0; PackedStepLoads::numbers(layout.balls.div_ceil(LANES))];
         Self {
@@ -196,6 +198,64 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         self.previous = self.time;
         self.time = end;
         self.dynamics.instructions().run(Step { integrator: self });
+        self.count_step();
+    }
+
+    /// Starts again at the newest state with formulas of low order, for short steps by the caller.
+    pub(super) fn begin(&mut self) {
+        (self.known, self.formulas) = (1, Formulas::new(1));
+    }
+
+    pub(super) fn newest(&self) -> Box<Node> {
+        self.nodes[0].clone()
+    }
+
+    /// Replaces the nodes before the newest.
+    pub(super) fn set_past(&mut self, past: impl Iterator<Item = Box<Node>>) {
+        for (node, old) in self.nodes[1..].iter_mut().zip(past) {
+            *node = old;
+        }
+    }
+
+    /// Begins a step to a time and a predicted motion of the ring.
+    pub(super) fn aim(&mut self, end: f64, step: f64, ring: SpindleState) {
+        self.step = step;
+        self.previous = self.time;
+        self.time = end;
+        self.nodes.rotate_right(1);
+        self.nodes[0].spindle = ring;
+    }
+
+    /// Advances balls and cage at a predicted motion of the ring. Returns force and moment on the ring and the resistance to its motion.
+    #[inline(always)]
+    pub(super) fn advance_on_ring(&mut self) -> (Vector, Vector, RingResistance) {
+        let step = self.advance_bearing_by::<true>((0.0, 0.0));
+        (step.reaction.spindle, step.moment, step.resistance)
+    }
+
+    /// Ends a step at a motion of the ring.
+    pub(super) fn end_step(&mut self, ring: SpindleState) {
+        self.nodes[0].spindle = ring;
+        self.count_step();
+    }
+
+    pub(super) fn dynamics(&self) -> &'m Dynamics<PLANAR> {
+        self.dynamics
+    }
+
+    pub(super) fn loads(&self) -> &[f64] {
+        &self.step_loads
+    }
+
+    pub(super) fn newest_state(&self) -> &[f64] {
+        self.state()
+    }
+
+    pub(super) fn touching(&self) -> Option<usize> {
+        self.touching
+    }
+
+    fn count_step(&mut self) {
         if self.known < NODES {
             self.known += 1;
             self.formulas = Formulas::new(self.known);
@@ -209,25 +269,49 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
 
     #[inline(always)]
     fn advance_by(&mut self) {
-        let (dynamics, h, layout) = (self.dynamics, self.step, self.dynamics.mechanism().layout);
-        let before_step = self.previous;
-        let Formulas { backward: formula, predict, correct, ahead } = self.formulas;
-        let share = h * formula.rate;
+        let (dynamics, h) = (self.dynamics, self.step);
+        let Formulas { predict, correct, ahead, .. } = self.formulas;
         let shares = (h * h * correct.place[0], h * correct.velocity[0]);
         self.nodes.rotate_right(1);
         let accelerations: [Vector; NODES] = from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
-        let [new, now, before, ..] = self.nodes.each_mut().map(|node| &mut **node);
 
-        // Prediction.
+        // Prediction of the spindle.
         let rise = weighed(&predict.velocity, &accelerations);
         let lift = weighed(&predict.place, &accelerations);
         let foreseen = weighed(&ahead, &accelerations);
-        let a = now.spindle;
-        new.spindle = SpindleState {
+        let a = self.nodes[1].spindle;
+        self.nodes[0].spindle = SpindleState {
             position: from_fn(|i| a.position[i] + h * (a.velocity[i] + h * lift[i])),
             velocity: from_fn(|i| a.velocity[i] + h * rise[i]),
             ..a
         };
+        let BearingStep { border, reaction, stiff, .. } = self.advance_bearing_by::<false>(shares);
+
+        // Spindle, under the loads after the balls' corrections.
+        let mut acceleration = dynamics.spindle_rates(&border, reaction.spindle, [0.0; 3]).velocity;
+        if !dynamics.mechanism().layout.axial_spindle {
+            acceleration[0] = 0.0;
+        }
+        let per_mass = 1.0 / dynamics.mechanism().spindle_mass;
+        let change: Vector = from_fn(|i| (acceleration[i] - foreseen[i]) / (1.0 + stiff.spindle[i] * per_mass));
+        let new = &mut *self.nodes[0];
+        new.acceleration = from_fn(|i| foreseen[i] + change[i]);
+        for (i, change) in change.into_iter().enumerate() {
+            new.spindle.position[i] += shares.0 * change;
+            new.spindle.velocity[i] += shares.1 * change;
+        }
+        self.step_loads[..3].copy_from_slice(&new.acceleration);
+    }
+
+    /// Advances balls and cage to the newest node, whose spindle is predicted. `shares`: of the spindle's place and velocity in the step.
+    /// `RING`: the spindle may tilt, and its resistance counts in all directions.
+    #[inline(always)]
+    fn advance_bearing_by<const RING: bool>(&mut self, shares: (f64, f64)) -> BearingStep {
+        let (dynamics, h, layout) = (self.dynamics, self.step, self.dynamics.mechanism().layout);
+        let before_step = self.previous;
+        let formula = self.formulas.backward;
+        let share = h * formula.rate;
+        let [new, now, before, ..] = self.nodes.each_mut().map(|node| &mut **node);
         let past_cage = formula.past_of_cage(&now.cage, &before.cage);
         let cage = formula.predicted_cage(&now.cage, &before.cage, &past_cage, share);
         let border = dynamics.border(cage, new.spindle, self.time);
@@ -250,6 +334,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         // Balls.
         let mut sum = Reaction::default();
         let mut stiff = Stiff::default();
+        let (mut moment, mut resistance) = ([0.0; 3], RingResistance::default());
         let (balls, slopes, corrected) = (&mut self.balls, &mut self.slopes, &mut self.corrected);
         for group in 0..now.balls.len() {
             let first = group * LANES;
@@ -277,9 +362,13 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             corrected.reaction.sum_into(&mut sum, layout.balls - first);
             dynamics.stiffness(balls, slopes, shares, share).sum_into(&mut stiff, layout.balls - first);
+            if RING {
+                balls.add_on_tilt(&mut moment, layout.balls - first);
+                dynamics.add_to_ring(layout.balls - first, (balls, slopes, corrected), &mut moment, &mut resistance);
+            }
         }
 
-        // Cage and spindle, under the loads after the balls' corrections.
+        // Cage, under the loads after the balls' corrections.
         let mut rates = dynamics.cage_rates(&border, &sum);
         if PLANAR {
             rates = in_plane(rates);
@@ -288,19 +377,18 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             let response = dynamics.cage_stiffness(&stiff);
             (new.cage, new.cage_rates) = corrected_cage(&past_cage, &cage, &rates, &response, share);
         }
-        let mut acceleration = dynamics.spindle_rates(&border, sum.spindle, [0.0; 3]).velocity;
-        if !layout.axial_spindle {
-            acceleration[0] = 0.0;
-        }
-        let per_mass = 1.0 / dynamics.mechanism().spindle_mass;
-        let change: Vector = from_fn(|i| (acceleration[i] - foreseen[i]) / (1.0 + stiff.spindle[i] * per_mass));
-        new.acceleration = from_fn(|i| foreseen[i] + change[i]);
-        for (i, change) in change.into_iter().enumerate() {
-            new.spindle.position[i] += shares.0 * change;
-            new.spindle.velocity[i] += shares.1 * change;
-        }
-        self.step_loads[..3].copy_from_slice(&new.acceleration);
+        BearingStep { border, reaction: sum, stiff, moment, resistance }
     }
+}
+
+/// Balls and cage after a step: what they exert on the spindle.
+struct BearingStep {
+    border: Border,
+    reaction: Reaction,
+    stiff: Stiff,
+    /// On a ring that tilts, about its centre, inertial frame [N m].
+    moment: Vector,
+    resistance: RingResistance,
 }
 
 /// One step, compiled for each instruction set.

@@ -57,6 +57,18 @@ pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f6
     Ok(stiffness)
 }
 
+/// Equilibrium of the balls at a pose of the inner ring, x, y, z and tilts about Y and the new Z, and a spindle speed [rad/s]. `force`: size
+/// of the loads on the ring [N].
+pub(crate) fn on_ring(
+    mechanism: &Mechanism,
+    speed: f64,
+    pose: [f64; DIRECTIONS],
+    force: f64,
+) -> Result<Equilibrium, SimulationError> {
+    let potential = RacewayPotential { free: &[], held: pose, force, ..RacewayPotential::new(mechanism, speed) };
+    Ok(potential.at(&potential.minimum()?))
+}
+
 /// Most directions in which a spindle moves.
 const DIRECTIONS: usize = 5;
 
@@ -67,6 +79,10 @@ struct RacewayPotential<'a> {
     azimuths: Vec<Azimuth>,
     /// Freedoms of the spindle: along X, Y, Z, and about Y and the new Z.
     free: &'static [usize],
+    /// Pose of the spindle where its freedoms are 0.
+    held: [f64; DIRECTIONS],
+    /// Size of the loads on the spindle [N].
+    force: f64,
 }
 
 /// One raceway contact of one ball, in the ball's meridian plane.
@@ -90,7 +106,11 @@ struct Touch {
 impl<'a> RacewayPotential<'a> {
     fn new(mechanism: &'a Mechanism, speed: f64) -> Self {
         let balls = mechanism.layout.balls;
+        let [about_y, about_z] = mechanism.misalignment;
+        let force = spindle_force(mechanism);
         Self {
+            held: [mechanism.axial_offset, 0.0, 0.0, about_y, about_z],
+            force: dot(force, force).sqrt(),
             mechanism,
             orbit_speed: mechanism.orbit_ratio * speed,
             azimuths: mechanism.start.angle[..balls].iter().map(|angle| Azimuth::new(*angle)).collect(),
@@ -104,11 +124,13 @@ impl<'a> RacewayPotential<'a> {
         for (k, &freedom) in self.free.iter().enumerate() {
             unknowns[freedom] = place[2 * self.azimuths.len() + k];
         }
-        let m = self.mechanism;
         let [x, y, z, about_y, about_z] = unknowns;
-        let per_radius = 1.0 / m.pitch_radius;
-        let [held_y, held_z] = m.misalignment;
-        ([m.axial_offset + x, y, z], [held_y + per_radius * about_y, held_z + per_radius * about_z])
+        let per_radius = 1.0 / self.mechanism.pitch_radius;
+        let [held_x, held_y, held_z, held_about_y, held_about_z] = self.held;
+        (
+            [held_x + x, held_y + y, held_z + z],
+            [held_about_y + per_radius * about_y, held_about_z + per_radius * about_z],
+        )
     }
 
     /// Motion of the ring at a lever under each unknown of the spindle, in the inertial frame [-].
@@ -180,12 +202,6 @@ impl<'a> RacewayPotential<'a> {
         }
     }
 
-    /// Constant force on the spindle [N].
-    fn spindle_force(&self) -> Vector {
-        let m = self.mechanism;
-        [m.load[0], m.load[1] + m.spindle_mass * m.gravity, m.load[2]]
-    }
-
     /// Radial body force on a ball, weight and centrifugal force [N], and its slope [N/m].
     fn body_force(&self, ball: usize, radius: f64) -> (f64, f64) {
         let (m, mass) = (self.mechanism, self.mechanism.body(ball).mass);
@@ -196,7 +212,7 @@ impl<'a> RacewayPotential<'a> {
     /// The place of least energy.
     fn minimum(&self) -> Result<Vec<f64>, SimulationError> {
         let m = self.mechanism;
-        let scale = dot(self.spindle_force(), self.spindle_force()).sqrt() + self.body_force(0, m.pitch_radius).0.abs();
+        let scale = self.force + self.body_force(0, m.pitch_radius).0.abs();
         let search = Search {
             converged: 1e-11 * scale + 1e-12,
             longest_step: 0.01 * m.pitch_radius,
@@ -231,11 +247,16 @@ impl<'a> RacewayPotential<'a> {
     }
 }
 
+/// Constant force on the spindle [N].
+fn spindle_force(m: &Mechanism) -> Vector {
+    [m.load[0], m.load[1] + m.spindle_mass * m.gravity, m.load[2]]
+}
+
 impl Potential<DIRECTIONS> for RacewayPotential<'_> {
     /// Energy, gradient and (nearly exact) Hessian.
     fn slopes(&self, place: &[f64]) -> Slopes<DIRECTIONS> {
         let balls = self.azimuths.len();
-        let force = self.spindle_force();
+        let force = spindle_force(self.mechanism);
         let (spindle, [about_y, about_z]) = self.spindle(place);
         let tilt = Tilt::new(about_y, about_z);
         let mut value = -dot(force, spindle);

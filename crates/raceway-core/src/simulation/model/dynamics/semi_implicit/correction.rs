@@ -5,7 +5,7 @@ use std::array::from_fn;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side};
 use crate::physics::ball::{BallBody, Bodies};
 use crate::physics::bearing::PerRaceway;
-use crate::physics::frames::{Vector, cross, dot, scale};
+use crate::physics::frames::{Vector, add, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
 use crate::physics::raceway::ContactSlopes;
 use crate::simulation::model::dynamics::ball_group::{Balls, Slopes};
@@ -38,6 +38,15 @@ impl Stiff<Lanes> {
             }
         }
     }
+}
+
+/// Forces and moments of the balls on a ring per unit of its own displacement and velocity, over x, y, z and the tilts about Y and Z.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct RingResistance {
+    /// [N/m, N, N m]
+    pub stiffness: [[f64; 5]; 5],
+    /// [N s/m, N s, N m s]
+    pub damping: [[f64; 5]; 5],
 }
 
 /// Balls at the end of a step.
@@ -300,6 +309,35 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             );
         }
         stiff
+    }
+
+    /// Adds the moments on the ring that the corrections of the first `count` balls cause, and their resistance to its motion. The force of
+    /// a contact acts at its point.
+    pub(super) fn add_to_ring(
+        &self,
+        count: usize,
+        (balls, slopes, corrected): (&Balls, &Slopes<Lanes>, &Corrected),
+        moment: &mut Vector,
+        resistance: &mut RingResistance,
+    ) {
+        for lane in 0..LANES.min(count) {
+            let (motion, inner) = (balls.motion.at(lane), slopes.raceway.inner.at(lane));
+            let (axial, radial) = inner.towards;
+            let radius = self.mechanism().ball_radius;
+            let lever = [motion.axial + radius * axial, motion.radius + radius * radial, 0.0];
+            let lever = motion.azimuth.to_inertial(lever);
+            *moment = add(*moment, cross(lever, corrected.reaction.at(lane).spindle));
+            let normal = motion.azimuth.to_inertial([axial, radial, 0.0]);
+            let [x, y, z] = normal;
+            let [_, about_y, about_z] = cross(lever, normal);
+            let along = [x, y, z, about_y, about_z];
+            for (row, one) in along.into_iter().enumerate() {
+                for (column, other) in along.into_iter().enumerate() {
+                    resistance.stiffness[row][column] += inner.stiffness * one * other;
+                    resistance.damping[row][column] += inner.damping * one * other;
+                }
+            }
+        }
     }
 
     /// Resistance of the balls to the cage's velocities [1/s].

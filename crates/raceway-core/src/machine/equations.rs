@@ -1,0 +1,104 @@
+//! The equations of motion of a machine: each bearing at the motion of its inner ring, the shaft under their loads.
+
+use super::bearing::{BearingOnShaft, bearings};
+use super::frame::Frame;
+use super::input::{Machine, MachineError};
+use crate::numerics::ode::OdeSystem;
+use crate::physics::operation::SpeedProfile;
+use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::dynamics::on_ring::RingLoad;
+use crate::simulation::model::state::SpindleState;
+
+/// The equations of a machine. The state holds balls and cage of one bearing after the other, then places and velocities of the shaft's
+/// coordinates.
+#[derive(Debug, Clone)]
+pub struct MachineDynamics {
+    pub frame: Frame,
+    pub bearings: Vec<BearingOnShaft>,
+    pub speed: SpeedProfile,
+}
+
+/// Loads of all bearings at one time.
+pub(crate) struct Loads {
+    /// On the inner rings, in the bearings' own axes.
+    pub rings: Vec<RingLoad>,
+}
+
+impl MachineDynamics {
+    /// The equations of a machine with free modes up to `range` times the band of levels.
+    pub fn new(machine: &Machine, range: f64) -> Result<Self, MachineError> {
+        let frame = Frame::of(machine, range)?;
+        let bearings = bearings(machine, &frame)?;
+        Ok(Self { frame, bearings, speed: machine.speed.clone() })
+    }
+
+    /// Places and velocities of the shaft's coordinates in a state.
+    pub fn coordinates<'y>(&self, state: &'y [f64]) -> (&'y [f64], &'y [f64]) {
+        let size = self.frame.len();
+        let (place, velocity) = state[state.len() - 2 * size..].split_at(size);
+        (place, velocity)
+    }
+
+    /// Motion of the ring of a bearing, in its own axes, by the shaft's coordinates.
+    pub(crate) fn ring(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> SpindleState {
+        let port = &self.frame.ports[bearing];
+        self.bearings[bearing].ring(&port.of_place(place), &port.of_place(velocity))
+    }
+
+    /// Entries of each bearing in a state.
+    pub fn parts<'y>(&self, mut state: &'y [f64]) -> Vec<&'y [f64]> {
+        let take = |bearing: &BearingOnShaft| {
+            let (part, rest) = state.split_at(bearing.entries());
+            state = rest;
+            part
+        };
+        self.bearings.iter().map(take).collect()
+    }
+
+    /// Writes the rates and returns the loads. `watch` sees the loads of the balls of a bearing.
+    pub(crate) fn evaluate(
+        &self,
+        time: f64,
+        state: &[f64],
+        rates: &mut [f64],
+        mut watch: impl FnMut(usize) -> Option<Box<dyn Watch>>,
+    ) -> Loads {
+        let (place, velocity) = self.coordinates(state);
+        let split = state.len() - 2 * self.frame.len();
+        let (of_bearings, of_frame) = rates.split_at_mut(split);
+        let (of_place, of_velocity) = of_frame.split_at_mut(self.frame.len());
+        of_place.copy_from_slice(velocity);
+        self.frame.forces(self.speed.at(time), place, velocity, of_velocity);
+        for (k, rate) in of_velocity.iter_mut().enumerate() {
+            *rate -= self.frame.damping[k] * velocity[k] + self.frame.squares[k] * place[k];
+        }
+        let mut rest = of_bearings;
+        let mut rings = Vec::with_capacity(self.bearings.len());
+        for (index, (bearing, part)) in self.bearings.iter().zip(self.parts(state)).enumerate() {
+            let (of_part, others) = std::mem::take(&mut rest).split_at_mut(part.len());
+            let ring = self.ring(index, place, velocity);
+            let mut watch = watch(index);
+            let load = bearing.dynamics.rates_on_ring(time, part, ring, of_part, watch.as_deref_mut());
+            self.frame.ports[index].add_forces(&bearing.on_shaft(&load), of_velocity);
+            rings.push(load);
+            rest = others;
+        }
+        Loads { rings }
+    }
+
+    /// Torque of the drive on the shaft that balances the bearings [N m].
+    pub fn drive_torque(&self, time: f64, state: &[f64]) -> f64 {
+        let mut rates = vec![0.0; state.len()];
+        -self.evaluate(time, state, &mut rates, |_| None).rings.iter().map(|ring| ring.drive).sum::<f64>()
+    }
+}
+
+impl OdeSystem for MachineDynamics {
+    fn dimension(&self) -> usize {
+        self.bearings.iter().map(BearingOnShaft::entries).sum::<usize>() + 2 * self.frame.len()
+    }
+
+    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
+        self.evaluate(time, state, derivative, |_| None);
+    }
+}

@@ -1,0 +1,255 @@
+//! The shaft in coordinates whose stiffness is diagonal: free modes and residual vectors, supports included.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::input::{Machine, MachineError};
+use crate::physics::frame::mesh::Mesh;
+use crate::physics::frame::support::PORT;
+use crate::physics::spindle::unbalance_force;
+use crate::rotor::coordinates::Coordinates;
+use crate::rotor::input::{Rotor, RotorError};
+use crate::rotor::system::System;
+use crate::simulation::recording::sampling::BAND;
+
+/// Elements of the first mesh over the length of the shaft, and the most of any.
+const FIRST_ELEMENTS: f64 = 16.0;
+const MOST_ELEMENTS: usize = 800;
+/// Change of a kept frequency by halved elements, below which a mesh is fine enough [-].
+const CONVERGED: f64 = 1e-4;
+
+/// q̈ + c q̇ + ω² q = g(t, q, q̇) + Σ Rᵀ f over coordinates of mass 1. Port rows R give displacements x, y, z, β_y, β_z.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// ω² [1/s²] and c [1/s] of each coordinate.
+    pub squares: Vec<f64>,
+    pub damping: Vec<f64>,
+    /// What couples coordinates, by their velocities and displacements, constant and times the speed.
+    velocity: Coupling,
+    place: Coupling,
+    /// Ports of the bearings, in their order.
+    pub ports: Vec<Rows>,
+    /// Ports of the sensors, in their order.
+    pub sensors: Vec<Rows>,
+    /// Constant loads, weight included.
+    load: Vec<f64>,
+    planes: Vec<Plane>,
+    /// Linear analysis about the operating point, and its coordinates over those of the frame.
+    pub system: System,
+    basis: DMatrix<f64>,
+}
+
+/// Rows of displacements over the coordinates.
+#[derive(Debug, Clone)]
+pub struct Rows([Vec<f64>; PORT]);
+
+/// A matrix `constant` + Ω `by_speed`; `None`: zero.
+#[derive(Debug, Clone)]
+struct Coupling {
+    constant: Option<Vec<f64>>,
+    by_speed: Option<Vec<f64>>,
+}
+
+/// Forces of an unbalance along Y and Z over the coordinates, by 1 N.
+#[derive(Debug, Clone)]
+struct Plane {
+    product: f64,
+    phase: f64,
+    along: [Vec<f64>; 2],
+}
+
+impl Frame {
+    /// Free modes up to `range` times the band of levels.
+    pub fn of(machine: &Machine, range: f64) -> Result<Self, MachineError> {
+        let rotor = &machine.rotor;
+        let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND)?;
+        let system = System::of(rotor, mesh, count, &[rotor.speed])?;
+        let size = system.coordinates.len();
+        let own: Vec<f64> = system.coordinates.squares().collect();
+        let (mut stiffness, mut damping) =
+            (DMatrix::from_diagonal(&DVector::from_vec(own.clone())), DMatrix::zeros(size, size));
+        for (place, square) in own.iter().enumerate() {
+            damping[(place, place)] = 2.0 * rotor.shaft.damping_ratio * square.sqrt();
+        }
+        for (port, _) in system.ports.iter().zip(&rotor.supports) {
+            let (k, c) = system.of_port(port, 0.0);
+            stiffness += port.rows.transpose() * k * &port.rows;
+            damping += port.rows.transpose() * c * &port.rows;
+        }
+        let symmetric = 0.5 * (&stiffness + stiffness.transpose());
+        let (squares, basis) = match rotor.supports.is_empty() {
+            true => (own, DMatrix::identity(size, size)),
+            false => {
+                let eigen = SymmetricEigen::new(symmetric.clone());
+                (eigen.eigenvalues.iter().map(|square| square.max(0.0)).collect(), eigen.eigenvectors)
+            }
+        };
+        let turned = |matrix: &DMatrix<f64>| basis.transpose() * matrix * &basis;
+        let damping = turned(&damping);
+        let own_damping: Vec<f64> = damping.diagonal().iter().copied().collect();
+        let rows = |at: f64| Rows::of(&(system.coordinates.port(system.coordinates.mesh.node(at)) * &basis));
+        let over =
+            |force: Vec<f64>| (basis.transpose() * DVector::from_vec(force)).iter().copied().collect::<Vec<f64>>();
+        let planes = rotor.unbalances.iter().map(|plane| Plane {
+            product: plane.product,
+            phase: plane.phase,
+            along: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|force| over(system.coordinates.force(plane.at, force))),
+        });
+        Ok(Self {
+            velocity: Coupling {
+                constant: coupling(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
+                by_speed: coupling(&turned(system.gyroscopic())),
+            },
+            place: Coupling {
+                constant: coupling(&turned(&(&stiffness - symmetric))),
+                by_speed: coupling(&turned(system.rotating())),
+            },
+            ports: rotor.bearings.iter().map(|bearing| rows(bearing.at)).collect(),
+            sensors: machine.sensors.iter().map(|sensor| rows(sensor.at)).collect(),
+            load: over(system.load(rotor).iter().copied().collect()),
+            planes: planes.collect(),
+            squares,
+            damping: own_damping,
+            system,
+            basis,
+        })
+    }
+
+    /// Number of coordinates.
+    pub fn len(&self) -> usize {
+        self.squares.len()
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.squares.is_empty()
+    }
+
+    /// Coordinates of the linear analysis over those of the frame.
+    pub fn from_analysis(&self, coordinates: &DVector<f64>) -> Vec<f64> {
+        (self.basis.transpose() * coordinates).iter().copied().collect()
+    }
+
+    /// Writes g: loads, unbalance and what couples coordinates, at an angle, speed and acceleration of the shaft.
+    pub fn forces(
+        &self,
+        (angle, speed, acceleration): (f64, f64, f64),
+        place: &[f64],
+        velocity: &[f64],
+        forces: &mut [f64],
+    ) {
+        forces.copy_from_slice(&self.load);
+        for Plane { product, phase, along: [along_y, along_z] } in &self.planes {
+            let [_, y, z] = unbalance_force(*product, angle + phase, speed, acceleration);
+            for ((force, by_y), by_z) in forces.iter_mut().zip(along_y).zip(along_z) {
+                *force += y * by_y + z * by_z;
+            }
+        }
+        self.velocity.subtract(speed, velocity, forces);
+        self.place.subtract(speed, place, forces);
+    }
+
+    /// Energy of the coordinates [J], loads included; moments of a turning shaft do no work.
+    pub fn energy(&self, place: &[f64], velocity: &[f64]) -> f64 {
+        let of = |k: usize| {
+            0.5 * (velocity[k] * velocity[k] + self.squares[k] * place[k] * place[k]) - self.load[k] * place[k]
+        };
+        (0..self.len()).map(of).sum()
+    }
+}
+
+impl Rows {
+    fn of(matrix: &DMatrix<f64>) -> Self {
+        Self(std::array::from_fn(|row| matrix.row(row).iter().copied().collect()))
+    }
+
+    /// Displacements, or velocities, of the place.
+    pub fn of_place(&self, coordinates: &[f64]) -> [f64; PORT] {
+        std::array::from_fn(|row| dot(&self.0[row], coordinates))
+    }
+
+    /// One displacement, or velocity, of the place.
+    pub fn row_of(&self, row: usize, coordinates: &[f64]) -> f64 {
+        dot(&self.0[row], coordinates)
+    }
+
+    /// Adds the forces on the coordinates of forces at the place.
+    pub fn add_forces(&self, wrench: &[f64; PORT], forces: &mut [f64]) {
+        for (row, value) in self.0.iter().zip(wrench) {
+            forces.iter_mut().zip(row).for_each(|(force, by)| *force += value * by);
+        }
+    }
+
+    /// Displacements of this place by forces at another, each coordinate with its weight.
+    pub fn compliance(&self, other: &Self, weights: &[f64]) -> [[f64; PORT]; PORT] {
+        let sum = |row: usize, column: usize| -> f64 {
+            self.0[row].iter().zip(&other.0[column]).zip(weights).map(|((a, b), weight)| a * b * weight).sum()
+        };
+        std::array::from_fn(|row| std::array::from_fn(|column| sum(row, column)))
+    }
+}
+
+impl Coupling {
+    /// Subtracts the product of the matrix at a speed with a vector.
+    fn subtract(&self, speed: f64, vector: &[f64], forces: &mut [f64]) {
+        let parts = [(&self.constant, 1.0), (&self.by_speed, speed)];
+        for (matrix, factor) in parts.into_iter().filter_map(|(matrix, factor)| Some((matrix.as_ref()?, factor))) {
+            for (force, row) in forces.iter_mut().zip(matrix.chunks_exact(vector.len())) {
+                *force -= factor * dot(row, vector);
+            }
+        }
+    }
+}
+
+/// Rows of a matrix; `None` where it is zero.
+fn coupling(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
+    (matrix.amax() > 0.0).then(|| matrix.transpose().iter().copied().collect())
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A mesh on which the free modes up to an angular frequency [rad/s] have converged, and their number in each plane.
+fn mesh(machine: &Machine, highest: f64) -> Result<(Mesh, usize), RotorError> {
+    let mut longest = machine.rotor.shaft.length() / FIRST_ELEMENTS;
+    let mut coarse: Option<Vec<f64>> = None;
+    loop {
+        let mesh = Mesh::new(&machine.rotor.shaft, &stations(machine), longest);
+        let (frequencies, count) = free_modes(&machine.rotor, &mesh, highest)?;
+        let is_close = |coarse: &Vec<f64>| {
+            let kept = frequencies.iter().zip(coarse).take_while(|(fine, _)| **fine <= highest);
+            kept.clone().count() > 0 && kept.clone().all(|(fine, coarse)| (fine - coarse).abs() <= CONVERGED * fine)
+        };
+        if coarse.as_ref().is_some_and(is_close) || 2 * mesh.elements.len() > MOST_ELEMENTS {
+            return Ok((mesh, count));
+        }
+        coarse = Some(frequencies);
+        longest /= 2.0;
+    }
+}
+
+/// Angular frequencies of the modes of a plane, rigid ones included, up to the first beyond `highest`, and the number of flexible ones.
+fn free_modes(rotor: &Rotor, mesh: &Mesh, highest: f64) -> Result<(Vec<f64>, usize), RotorError> {
+    let mut count = 4;
+    loop {
+        let coordinates = Coordinates::of(rotor, mesh.clone(), count)?;
+        if coordinates.highest() >= highest {
+            let frequencies = coordinates.frequencies();
+            let kept = frequencies.iter().filter(|frequency| **frequency > 0.0 && **frequency <= highest).count();
+            return Ok((frequencies, kept));
+        }
+        count *= 2;
+    }
+}
+
+/// Places of the shaft at which something acts or is measured, rising [m].
+fn stations(machine: &Machine) -> Vec<f64> {
+    let rotor = &machine.rotor;
+    let discs = rotor.shaft.discs.iter().map(|disc| disc.at);
+    let planes = rotor.unbalances.iter().map(|plane| plane.at);
+    let held = rotor.supports.iter().map(|support| support.at).chain(rotor.bearings.iter().map(|bearing| bearing.at));
+    let mut places: Vec<f64> =
+        discs.chain(planes).chain(held).chain(machine.sensors.iter().map(|sensor| sensor.at)).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
+}

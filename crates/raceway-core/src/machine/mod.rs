@@ -1,0 +1,22 @@
+//! A flexible shaft on ball bearings in time: the balls and the cage of each bearing with all their forces, the shaft by its modes.
+//!
+//! A bearing knows the motion of its inner ring and returns its load; it knows no shaft. The shaft knows forces at ports. Knows no JSON and
+//! no thread.
+
+pub mod channel;
+pub mod input;
+pub mod result;
+pub mod run;
+
+pub mod bearing;
+pub mod equations;
+pub mod frame;
+pub mod start;
+
+pub(crate) mod propagator;
+pub(crate) mod stepping;
+
+pub mod recording;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,256 @@
+//! Fixed steps of a machine, one evaluation of each bearing a step.
+//!
+//! Balls and cages take their linearly implicit steps at a predicted motion of their rings. The coordinates of the shaft are advanced exactly
+//! under forces that follow the parabola through three nodes. The new node is extrapolated first. After the evaluation f̂ there, with
+//! the compliances H of the new node and the resistances K, C of the balls, (1 + K H_q + C H_v) Δf = f̂ − f corrects it implicitly.
+//! The past is kept as forces at the ports: increments of the coordinates' forces would let rounding grow.
+
+use super::equations::MachineDynamics;
+use super::propagator::{NODES, Propagator};
+use crate::numerics::dense::solve;
+use crate::numerics::ode::adams::ahead;
+use crate::physics::statics::Matrix;
+use crate::simulation::model::dynamics::on_ring::{RingNode, RingStepper};
+
+/// Number of entries of a port.
+const PORT: usize = 5;
+/// Short steps to one of full length at the start.
+const START: usize = 16;
+/// Nodes that the bearings keep, the newest included.
+const BEARING_NODES: usize = 4;
+
+/// Forces on the shaft at one time.
+#[derive(Debug, Clone, Default)]
+struct Forces {
+    /// Of each bearing at its port, one behind the other.
+    ports: Vec<f64>,
+    /// All others, over the coordinates.
+    rest: Vec<f64>,
+}
+
+/// A machine between two steps.
+pub(crate) struct MachineStepper<'m> {
+    dynamics: &'m MachineDynamics,
+    bearings: Vec<RingStepper<'m>>,
+    step: f64,
+    time: f64,
+    place: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    /// At the last nodes, newest first.
+    past: [Forces; NODES],
+    /// Number of valid nodes.
+    known: usize,
+    formulas: Formulas,
+    evaluations: u64,
+}
+
+/// Constants of steps of one length through a number of known nodes.
+struct Formulas {
+    propagator: Propagator,
+    ahead: [f64; NODES],
+    /// Displacements and velocities of the ports in the step by forces at the new node, row by row.
+    places: Vec<f64>,
+    velocities: Vec<f64>,
+}
+
+impl Formulas {
+    fn new(dynamics: &MachineDynamics, step: f64, known: usize) -> Self {
+        let frame = &dynamics.frame;
+        let propagator = Propagator::new(&frame.squares, &frame.damping, step, (known + 1).min(NODES));
+        let size = PORT * frame.ports.len();
+        let compliance = |weights: &[f64]| {
+            let mut matrix = vec![0.0; size * size];
+            for (row, one) in frame.ports.iter().enumerate() {
+                for (column, other) in frame.ports.iter().enumerate() {
+                    for (i, entries) in one.compliance(other, weights).into_iter().enumerate() {
+                        let at = (PORT * row + i) * size + PORT * column;
+                        matrix[at..at + PORT].copy_from_slice(&entries);
+                    }
+                }
+            }
+            matrix
+        };
+        let (places, velocities) = (compliance(&propagator.place[0]), compliance(&propagator.velocity[0]));
+        Self { propagator, ahead: ahead(known), places, velocities }
+    }
+}
+
+impl<'m> MachineStepper<'m> {
+    /// Starts at a state. Short steps of rising order build the past of the first long one.
+    pub(crate) fn new(dynamics: &'m MachineDynamics, time: f64, state: &[f64], step: f64) -> Self {
+        let size = dynamics.frame.len();
+        let (place, velocity) = dynamics.coordinates(state);
+        let ring = |(index, part): (usize, &[f64])| {
+            RingStepper::new(&dynamics.bearings[index].dynamics, time, part, dynamics.ring(index, place, velocity))
+        };
+        let mut rates = vec![0.0; state.len()];
+        let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
+        let on_shaft = dynamics.bearings.iter().zip(&loads.rings).flat_map(|(bearing, load)| bearing.on_shaft(load));
+        let mut forces = Forces { ports: on_shaft.collect(), rest: vec![0.0; size] };
+        dynamics.frame.forces(dynamics.speed.at(time), place, velocity, &mut forces.rest);
+        let mut stepper = Self {
+            bearings: dynamics.parts(state).into_iter().enumerate().map(ring).collect(),
+            step: step / START as f64,
+            time,
+            place: place.to_vec(),
+            velocity: velocity.to_vec(),
+            acceleration: rates[rates.len() - size..].to_vec(),
+            past: std::array::from_fn(|_| forces.clone()),
+            known: 1,
+            formulas: Formulas::new(dynamics, step / START as f64, 1),
+            evaluations: 1,
+            dynamics,
+        };
+        stepper.build_past(step);
+        stepper
+    }
+
+    fn build_past(&mut self, step: f64) {
+        self.bearings.iter_mut().for_each(RingStepper::begin);
+        let mut nodes: Vec<Vec<RingNode>> = self.bearings.iter().map(|_| Vec::new()).collect();
+        let mut forces = Vec::new();
+        for short in 0..(BEARING_NODES - 1) * START {
+            if short % START == 0 {
+                nodes.iter_mut().zip(&self.bearings).for_each(|(nodes, bearing)| nodes.push(bearing.node()));
+                forces.push(self.past[0].clone());
+            }
+            self.advance();
+        }
+        for (bearing, nodes) in self.bearings.iter_mut().zip(nodes) {
+            bearing.set_past(nodes.into_iter().rev().collect());
+        }
+        for (node, old) in self.past[1..].iter_mut().zip(forces.into_iter().rev()) {
+            *node = old;
+        }
+        self.step = step;
+        self.formulas = Formulas::new(self.dynamics, step, NODES);
+    }
+
+    /// One step.
+    pub(crate) fn advance(&mut self) {
+        let end = self.time + self.step;
+        let Self { dynamics, formulas, past, .. } = self;
+        let frame = &dynamics.frame;
+        let ahead = |of: fn(&Forces) -> &Vec<f64>, index: usize| -> f64 {
+            formulas.ahead.iter().zip(past.iter()).map(|(weight, node)| weight * of(node)[index]).sum()
+        };
+        let mut new = Forces {
+            ports: (0..past[0].ports.len()).map(|k| ahead(|node| &node.ports, k)).collect(),
+            rest: (0..frame.len()).map(|k| ahead(|node| &node.rest, k)).collect(),
+        };
+        let nodes = [&new, &past[0], &past[1]].map(|node| over_coordinates(dynamics, node));
+        let propagator = &formulas.propagator;
+        for k in 0..frame.len() {
+            let ([by_place, by_velocity, back, own], q, v) = (propagator.own[k], self.place[k], self.velocity[k]);
+            let sum =
+                |shares: &[Vec<f64>; NODES]| -> f64 { (0..NODES).map(|node| shares[node][k] * nodes[node][k]).sum() };
+            self.place[k] = by_place * q + by_velocity * v + sum(&propagator.place);
+            self.velocity[k] = back * q + own * v + sum(&propagator.velocity);
+        }
+
+        // Bearings at the predicted motion of their rings.
+        let size = PORT * self.bearings.len();
+        let mut matrix = vec![0.0; size * size];
+        (0..size).for_each(|k| matrix[k * size + k] = 1.0);
+        let mut change = vec![0.0; size];
+        for (index, stepper) in self.bearings.iter_mut().enumerate() {
+            let ring = dynamics.ring(index, &self.place, &self.velocity);
+            let (load, resistance) = stepper.advance(end, self.step, ring);
+            let bearing = &dynamics.bearings[index];
+            for (k, force) in bearing.on_shaft(&load).into_iter().enumerate() {
+                change[PORT * index + k] = force - new.ports[PORT * index + k];
+            }
+            let stiffness = bearing.mounted.along_shaft(&resistance.stiffness);
+            let damping = bearing.mounted.along_shaft(&resistance.damping);
+            let rows = PORT * index;
+            add_product(&mut matrix, rows, &stiffness, &formulas.places);
+            add_product(&mut matrix, rows, &damping, &formulas.velocities);
+        }
+        solve(&mut matrix, &mut change);
+        new.ports.iter_mut().zip(&change).for_each(|(force, change)| *force += change);
+        let mut forces = vec![0.0; frame.len()];
+        add_port_forces(dynamics, &change, &mut forces);
+        self.add(&forces);
+
+        // What couples coordinates, at the corrected motion.
+        let dynamics = self.dynamics;
+        dynamics.frame.forces(dynamics.speed.at(end), &self.place, &self.velocity, &mut forces);
+        let mut rest = forces.clone();
+        forces.iter_mut().zip(&new.rest).for_each(|(force, foreseen)| *force -= foreseen);
+        self.add(&forces);
+        std::mem::swap(&mut new.rest, &mut rest);
+
+        self.acceleration = over_coordinates(dynamics, &new);
+        for (k, acceleration) in self.acceleration.iter_mut().enumerate() {
+            *acceleration -= dynamics.frame.damping[k] * self.velocity[k] + dynamics.frame.squares[k] * self.place[k];
+        }
+        for (index, stepper) in self.bearings.iter_mut().enumerate() {
+            stepper.finish(dynamics.ring(index, &self.place, &self.velocity));
+        }
+        self.past.rotate_right(1);
+        self.past[0] = new;
+        self.time = end;
+        self.evaluations += 1;
+        if self.known < NODES {
+            self.known += 1;
+            self.formulas = Formulas::new(dynamics, self.step, self.known);
+        }
+    }
+
+    /// Adds the effect of additional forces on the coordinates at the new node.
+    fn add(&mut self, forces: &[f64]) {
+        let Propagator { place, velocity, .. } = &self.formulas.propagator;
+        for (k, force) in forces.iter().enumerate() {
+            self.place[k] += place[0][k] * force;
+            self.velocity[k] += velocity[0][k] * force;
+        }
+    }
+
+    pub(crate) fn time(&self) -> f64 {
+        self.time
+    }
+
+    pub(crate) fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+
+    pub(crate) fn bearings(&self) -> &[RingStepper<'m>] {
+        &self.bearings
+    }
+
+    /// Places, velocities and accelerations of the coordinates.
+    pub(crate) fn coordinates(&self) -> [&[f64]; 3] {
+        [&self.place, &self.velocity, &self.acceleration]
+    }
+
+    /// Forces and moments of a bearing on the shaft.
+    pub(crate) fn wrench(&self, bearing: usize) -> &[f64] {
+        &self.past[0].ports[PORT * bearing..PORT * (bearing + 1)]
+    }
+}
+
+/// All forces over the coordinates.
+fn over_coordinates(dynamics: &MachineDynamics, forces: &Forces) -> Vec<f64> {
+    let mut sum = forces.rest.clone();
+    add_port_forces(dynamics, &forces.ports, &mut sum);
+    sum
+}
+
+fn add_port_forces(dynamics: &MachineDynamics, ports: &[f64], forces: &mut [f64]) {
+    for (rows, wrench) in dynamics.frame.ports.iter().zip(ports.as_chunks::<PORT>().0) {
+        rows.add_forces(wrench, forces);
+    }
+}
+
+/// Adds to the rows of a port the product of its matrix with the same rows of another matrix.
+fn add_product(sum: &mut [f64], first_row: usize, matrix: &Matrix, other: &[f64]) {
+    let size = other.len().isqrt();
+    for (row, entries) in matrix.iter().enumerate() {
+        for (k, entry) in entries.iter().enumerate() {
+            for column in 0..size {
+                sum[(first_row + row) * size + column] += entry * other[(first_row + k) * size + column];
+            }
+        }
+    }
+}

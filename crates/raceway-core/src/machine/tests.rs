@@ -1,0 +1,390 @@
+//! Balances, limits and mirror images of a machine.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+
+use super::channel::MachineChannel;
+use super::equations::MachineDynamics;
+use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
+use super::run::simulate;
+use super::start::start_state;
+use super::stepping::MachineStepper;
+use crate::numerics::ode::Method;
+use crate::numerics::ode::OdeSystem;
+use crate::numerics::ode::Tolerances;
+use crate::numerics::random::SplitMix64;
+use crate::physics::contact::damping::DampingLaw;
+use crate::physics::contact::traction::TractionLaw;
+use crate::physics::frame::beam::Tube;
+use crate::physics::frame::disc::{Disc, UnbalancePlane};
+use crate::physics::frame::shaft::{Section, Shaft};
+use crate::physics::frames::dot;
+use crate::physics::operation::SpeedProfile;
+use crate::physics::presets;
+use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::physics::spindle::{AxialHold, Spindle, SpindleInertia, SpindleTilt, Unbalance};
+use crate::physics::statics::RingBearing;
+use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
+use crate::rotor::analysis::analyse;
+use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
+use crate::simulation::input::channel::{Axis, BallContact};
+use crate::simulation::input::control::Control;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::{Scene, Term, TermChoice};
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::dynamics::Watch;
+use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::model::{Mechanism, Model};
+
+const RPM: f64 = PI / 30.0;
+
+/// A bar of 25 × 300 mm with a disc in its middle on two 6205, 200 N of preload, at 6000 r/min.
+fn motor_spindle() -> Machine {
+    let preset = presets::bearing("6205").unwrap();
+    let scene = Scene::of_preset(&preset, 6000.0 * RPM, [0.0, 100.0, 0.0]).unwrap();
+    let ring = RingBearing::new(&scene.bearing);
+    let mounted =
+        [(0.04, Faces::PlusX), (0.26, Faces::MinusX)].map(|(at, faces)| Mounted::new(ring.clone(), at, faces));
+    let pair = RigidShaft { bearings: mounted.to_vec() }.preloaded_by_force([0, 1], 200.0).unwrap();
+    let bearings = pair.bearings.into_iter().map(|mounted| RotorBearing {
+        at: mounted.at,
+        mounted: Mounted { at: 0.0, ..mounted },
+        damping: scene.raceway_damping.resolve(),
+    });
+    Machine {
+        rotor: Rotor {
+            shaft: Shaft {
+                material: scene.bearing.parameters.raceway_material.inner,
+                sections: vec![Section { length: 0.3, tube: Tube { outer_diameter: 0.025, inner_diameter: 0.0 } }],
+                discs: vec![Disc { at: 0.15, mass: 1.2, transverse_inertia: 8e-4, axial_inertia: 1.5e-3 }],
+                damping_ratio: 0.005,
+                rotating_share: 0.0,
+                is_axially_free: true,
+            },
+            unbalances: vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.3 }],
+            supports: Vec::new(),
+            bearings: bearings.collect(),
+            speed: 6000.0 * RPM,
+            gravity: 9.81,
+            load: [0.0, 100.0, 0.0],
+        },
+        bearings: [("A", 0.0), ("B", 2.4)]
+            .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
+            .to_vec(),
+        speed: SpeedProfile::constant(6000.0 * RPM).unwrap(),
+        sensors: Vec::new(),
+    }
+}
+
+fn started(machine: &Machine) -> (MachineDynamics, Vec<f64>) {
+    let dynamics = MachineDynamics::new(machine, RANGE).unwrap();
+    let state = start_state(machine, &dynamics).unwrap();
+    (dynamics, state)
+}
+
+/// Energy of bearings and shaft [J] for contacts without dissipation: kinetic, elastic, weight.
+fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
+    let (place, velocity) = dynamics.coordinates(state);
+    let parts = dynamics.parts(state).into_iter().enumerate();
+    let of_part = |(index, part): (usize, &[f64])| {
+        let m = dynamics.bearings[index].dynamics.mechanism();
+        let mut loads = Energies { mechanism: m, elastic: 0.0 };
+        let (speed, ring) = (m.speed.at(0.0).1, dynamics.ring(index, place, velocity));
+        dynamics.bearings[index].dynamics.rates_on_ring(time, part, ring, &mut vec![0.0; part.len()], Some(&mut loads));
+        let mut sum = loads.elastic;
+        for index in 0..m.layout.balls {
+            let ball = m.layout.ball(part, index);
+            let radius = m.pitch_radius + ball.radial;
+            let along = radius * (m.orbit_ratio * speed + ball.arc_velocity / m.pitch_radius);
+            let velocity = [ball.axial_velocity, ball.radial_velocity, along];
+            let spin = [ball.spin[0] + m.spin_ratio * speed, ball.spin[1], ball.spin[2]];
+            let azimuth = m.start_azimuth(index) + m.orbit_ratio * speed * time + ball.arc / m.pitch_radius;
+            sum += 0.5 * m.ball_mass * dot(velocity, velocity) + 0.5 * m.ball_inertia * dot(spin, spin);
+            sum -= m.ball_mass * m.gravity * radius * azimuth.cos();
+        }
+        if !m.layout.cage {
+            return sum;
+        }
+        let cage = m.layout.cage(part);
+        let spin = m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius;
+        sum += 0.5 * m.cage.mass * dot(cage.velocity, cage.velocity) + 0.5 * m.cage.axial_inertia * spin * spin;
+        sum += 0.5 * m.cage.transverse_inertia * (cage.tilt_rate[0].powi(2) + cage.tilt_rate[1].powi(2));
+        sum - m.cage.mass * m.gravity * cage.centre[1]
+    };
+    dynamics.frame.energy(place, velocity) + parts.map(of_part).sum::<f64>()
+}
+
+/// Sum of the elastic energies of the contacts.
+struct Energies<'a> {
+    mechanism: &'a Mechanism,
+    elastic: f64,
+}
+
+impl Watch for Energies<'_> {
+    fn raceway(&mut self, _: usize, side: BallContact, _: &RelativeMotion, load: &RacewayLoad) {
+        let raceway = &self.mechanism.raceway;
+        let contact = if side == BallContact::Inner { &raceway.inner } else { &raceway.outer };
+        self.elastic += 0.4 * contact.hertz().stiffness * load.penetration.max(0.0).powf(2.5);
+    }
+}
+
+/// The machine without a cage and without dissipation: smooth balls, undamped contacts and shaft.
+fn conservative() -> Machine {
+    let mut machine = motor_spindle();
+    machine.rotor.shaft.damping_ratio = 0.0;
+    for bearing in &mut machine.bearings {
+        let scene = &mut bearing.scene;
+        scene.lubricant.traction = TractionLaw::FourParameter { at_rest: 0.0, maximum: 0.0, at_slip: 1.0, limit: 0.0 };
+        scene.raceway_damping = DampingLaw::None;
+        for term in [Term::Cage, Term::Hydrodynamics, Term::Drag, Term::Churning] {
+            scene.terms.set(term, TermChoice::Off);
+        }
+    }
+    machine
+}
+
+/// A state near the start in which everything moves: balls by about a micrometre and 10 mm/s, the shaft bends and tilts.
+fn disturbed(state: &[f64], dynamics: &MachineDynamics) -> Vec<f64> {
+    let mut random = SplitMix64::new(7);
+    let size = dynamics.frame.len();
+    let of_frame = state.len() - 2 * size;
+    let frequency = |k: usize| dynamics.frame.squares[k].sqrt().max(1e3);
+    let scale = |k: usize| match k {
+        k if k < of_frame => 1e-6,
+        k if k < of_frame + size => 1e-2 / frequency(k - of_frame),
+        _ => 1e-2,
+    };
+    state.iter().enumerate().map(|(k, value)| value + scale(k) * (2.0 * random.uniform() - 1.0)).collect()
+}
+
+/// Rate of the energy along the motion [W], by central differences of order 4.
+fn power(dynamics: &MachineDynamics, state: &[f64], turned: bool) -> f64 {
+    let mut rates = vec![0.0; state.len()];
+    dynamics.derivative(0.0, state, &mut rates);
+    let at = |time: f64| {
+        let moved: Vec<f64> = state.iter().zip(&rates).map(|(value, rate)| value + time * rate).collect();
+        energy(dynamics, &moved, if turned { time } else { 0.0 })
+    };
+    let step = 2e-8;
+    (8.0 * (at(step) - at(-step)) - (at(2.0 * step) - at(-2.0 * step))) / (12.0 * step)
+}
+
+/// Without dissipation the energy of balls, rings and a shaft that bends, tilts and turns does not change: to 1e-8 of the power that the
+/// shaft alone exchanges. The unbalance is left out, because the drive works on it.
+#[test]
+fn the_shaft_gains_what_the_bearings_lose() {
+    let mut machine = conservative();
+    machine.rotor.unbalances.clear();
+    let (dynamics, start) = started(&machine);
+    let state = disturbed(&start, &dynamics);
+    let (place, velocity) = dynamics.coordinates(&state);
+    let mut rates = vec![0.0; state.len()];
+    dynamics.derivative(0.0, &state, &mut rates);
+    let (_, acceleration) = dynamics.coordinates(&rates);
+    let exchanged: f64 = velocity.iter().zip(acceleration).map(|(v, a)| (v * a).abs()).sum();
+    assert!(place.iter().any(|place| place.abs() > 1e-8) && exchanged > 1.0, "{exchanged}");
+    let gained = power(&dynamics, &state, true);
+    assert!(gained.abs() < 1e-8 * exchanged, "{gained:e} of {exchanged:e} W");
+}
+
+/// Natural frequencies of all balls, rings and the shaft about a standing machine without traction are those of the linear analysis, which
+/// takes the bearings by 5 × 5 matrices and their balls without mass, to 0.1 %. Both are means over a ball spacing. Balls have a hundredth of their
+/// mass here; with all of it the axial mode is 0.28 % slower.
+#[test]
+fn slow_vibration_is_that_of_the_linear_analysis() {
+    let mut machine = conservative();
+    machine.rotor.unbalances.clear();
+    machine.rotor.speed = 0.0;
+    machine.speed = SpeedProfile::constant(0.0).unwrap();
+    for bearing in &mut machine.bearings {
+        bearing.scene.bearing.ball_mass *= 0.01;
+        bearing.scene.bearing.ball_inertia *= 0.01;
+    }
+    let request = Request { elements: Elements::Auto, speeds: vec![0.0], modes: 10 };
+    let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
+    let places: Vec<Vec<f64>> = (0..8)
+        .map(|place| {
+            for bearing in &mut machine.bearings {
+                bearing.start_azimuth = 2.0 * PI / 9.0 * f64::from(place) / 8.0;
+            }
+            let (dynamics, state) = started(&machine);
+            natural_frequencies(&dynamics, &state)
+        })
+        .collect();
+    for mode in &linear.operating_modes {
+        let frequency = mode.point.frequency / (2.0 * PI);
+        let nearest =
+            |found: &Vec<f64>| found.iter().copied().min_by_key(|f| ((f / frequency - 1.0).abs() * 1e9) as u64);
+        let mean = places.iter().filter_map(nearest).sum::<f64>() / 8.0;
+        assert!(frequency > 100.0 && (mean / frequency - 1.0).abs() < 1e-3, "{frequency} Hz: {mean}");
+    }
+}
+
+/// The motion of the shaft at each bearing after a time, in steps of a length.
+fn after(machine: &Machine, time: f64, step: f64) -> Vec<[f64; 5]> {
+    let (dynamics, state) = started(machine);
+    let mut stepper = MachineStepper::new(&dynamics, 0.0, &state, step);
+    while stepper.time() < time - 0.5 * step {
+        stepper.advance();
+    }
+    dynamics.frame.ports.iter().map(|port| port.of_place(stepper.coordinates()[0])).collect()
+}
+
+/// The mirror image of a machine moves as its mirror image: bearings change their facing, motion along X and tilts their sign.
+#[test]
+fn a_mirror_image_moves_as_such() {
+    let mut machine = motor_spindle();
+    machine.rotor.load = [40.0, 100.0, -30.0];
+    machine.rotor.shaft.discs[0].at = 0.12;
+    machine.rotor.unbalances[0].at = 0.2;
+    let signs = [-1.0, 1.0, 1.0, -1.0, -1.0];
+    let mut image = machine.clone();
+    image.rotor.load[0] = -40.0;
+    image.rotor.shaft.discs[0].at = 0.18;
+    image.rotor.unbalances[0].at = 0.1;
+    for bearing in &mut image.rotor.bearings {
+        bearing.at = 0.3 - bearing.at;
+        bearing.mounted.faces = match bearing.mounted.faces {
+            Faces::PlusX => Faces::MinusX,
+            Faces::MinusX => Faces::PlusX,
+        };
+        for (value, sign) in bearing.mounted.outer.iter_mut().zip(signs) {
+            *value *= sign;
+        }
+    }
+    let [one, other] = [&machine, &image].map(|machine| after(machine, 1e-3, 5e-6));
+    for (one, other) in one.iter().zip(&other) {
+        for ((value, mirrored), sign) in one.iter().zip(other).zip(signs) {
+            assert!((value - sign * mirrored).abs() < 1e-12, "{one:?} {other:?}");
+        }
+        assert!(one[1].abs() > 1e-7 && one[0].abs() > 1e-7, "{one:?}");
+    }
+}
+
+/// Fixed steps reach the motion of an implicit method of order 5 with error control; half the step leaves a quarter of the error.
+#[test]
+fn fixed_steps_converge_to_the_motion() {
+    let machine = motor_spindle();
+    let (dynamics, state) = started(&machine);
+    let time = 1e-3;
+    let mut reference =
+        Method::DormandPrince.start(&dynamics, 0.0, &state, Tolerances::uniform(state.len(), 1e-8, 1e-12), None);
+    while reference.time() < time {
+        reference.step(time).unwrap();
+    }
+    let place = dynamics.coordinates(reference.state()).0;
+    let exact: Vec<[f64; 5]> = dynamics.frame.ports.iter().map(|port| port.of_place(place)).collect();
+    let error = |step: f64| {
+        let found = after(&machine, time, step);
+        let of =
+            |(found, exact): (&[f64; 5], &[f64; 5])| (1..3).map(|k| (found[k] - exact[k]).abs()).fold(0.0, f64::max);
+        found.iter().zip(&exact).map(of).fold(0.0, f64::max)
+    };
+    let [long, half] = [5e-6, 2.5e-6].map(error);
+    assert!(long < 1e-10 && half < 0.5 * long, "{long:e} {half:e}");
+}
+
+/// A shaft a million times as stiff on one bearing in its mass centre moves as the rigid spindle that tilts freely.
+#[test]
+fn a_very_stiff_shaft_is_a_rigid_spindle() {
+    let mut machine = motor_spindle();
+    machine.rotor.shaft.discs.clear();
+    machine.rotor.shaft.material.elastic_modulus *= 1e6;
+    machine.rotor.load = [300.0, 100.0, 0.0];
+    machine.bearings.truncate(1);
+    machine.rotor.bearings.truncate(1);
+    machine.rotor.bearings[0].at = 0.15;
+    machine.rotor.bearings[0].mounted.outer = [0.0; 5];
+    machine.rotor.unbalances[0] = UnbalancePlane { at: 0.15, product: 5e-6, phase: 0.0 };
+    let (dynamics, state) = started(&machine);
+    let mut scene = machine.bearings[0].scene.clone();
+    let mass = machine.rotor.shaft.mass();
+    scene.spindle = Spindle {
+        mass,
+        unbalance: Unbalance::Product(5e-6),
+        axial: AxialHold::Free,
+        tilt: SpindleTilt::Free(SpindleInertia::of_cylinder(mass, 0.025, 0.3)),
+    };
+    scene.operation.load = machine.rotor.load;
+    scene.gravity = machine.rotor.gravity;
+    let terms = ActiveTerms::of(&scene, &Outputs::vibration(), Some(ModelLevel::Full)).unwrap();
+    let model = Model::new(&scene, &terms);
+    let layout = model.mechanism().layout;
+    let (place, velocity) = dynamics.coordinates(&state);
+    let mut of_spindle = dynamics.parts(&state)[0].to_vec();
+    of_spindle.resize(layout.dimension(), 0.0);
+    layout.set_spindle(&mut of_spindle, &dynamics.ring(0, place, velocity));
+    let time = 2e-3;
+    let mut rigid = Method::DormandPrince.start(&model, 0.0, &of_spindle, layout.tolerances(1e-8), None);
+    while rigid.time() < time {
+        rigid.step(time).unwrap();
+    }
+    let expected = layout.spindle(rigid.state());
+    let [x, y, z, about_y, about_z] = after(&machine, time, 2e-6)[0];
+    let ([ex, ey, ez], [e_about_y, e_about_z]) = (expected.position, expected.tilt);
+    for (found, expected) in [(x, ex), (y, ey), (z, ez), (about_y, e_about_y), (about_z, e_about_z)] {
+        assert!((found - expected).abs() < 1e-9, "{found:e} {expected:e}");
+    }
+}
+
+/// Frequencies of the oscillations about a state [Hz], rising, from differences of the equations.
+fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
+    let size = state.len();
+    let mut rates = vec![0.0; size];
+    let steps: Vec<f64> = vec![1e-9; size];
+    let mut jacobian = DMatrix::zeros(size, size);
+    for column in 0..size {
+        let mut at = |sign: f64| {
+            let mut moved = state.to_vec();
+            moved[column] += sign * steps[column];
+            dynamics.derivative(0.0, &moved, &mut rates);
+            rates.clone()
+        };
+        let (after, before) = (at(1.0), at(-1.0));
+        for row in 0..size {
+            jacobian[(row, column)] = (after[row] - before[row]) / (2.0 * steps[column]);
+        }
+    }
+    let values = jacobian.complex_eigenvalues();
+    values.iter().filter(|value| value.im > 1.0).map(|value| value.im / (2.0 * PI)).collect()
+}
+
+/// A run records every signal. At a constant speed the motion at the disc is the linear response to unbalance.
+#[test]
+fn a_run_shows_the_response_to_unbalance() {
+    let mut machine = motor_spindle();
+    machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
+    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE };
+    let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
+    let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4 };
+    let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
+    let place = linear.stations.iter().find(|station| (station.at - 0.15).abs() < 1e-9).unwrap();
+    let amplitude = 1e6 * place.displacement[0][0].norm();
+    let of = |name: &str| {
+        let channel = MachineChannel::parse(name, &machine).unwrap();
+        result.channels.iter().find(|(of, _)| *of == channel).map(|(_, metrics)| metrics.clone()).unwrap()
+    };
+    let seen = 2.0_f64.sqrt() * of("sensor.probe.displacement").rms;
+    assert!((seen / amplitude - 1.0).abs() < 0.01, "{seen} µm, linear {amplitude} µm");
+    let line = result.spectra.last().unwrap().lines.first().unwrap();
+    assert!(line.label == "f_r" && (line.frequency - 100.0).abs() < 0.1, "{line:?}");
+    // Each bearing carries half of weight and load.
+    let carried = 0.5 * (100.0 + 9.81 * machine.rotor.shaft.mass());
+    assert!((of("A.force.y").mean / carried - 1.0).abs() < 1e-3, "{} N", of("A.force.y").mean);
+    assert_eq!(result.accuracy.step, 5.5e-6);
+    let worst = result.accuracy.errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
+    assert!(worst <= 0.1, "{:?}", result.accuracy);
+}
+
+/// Damping that turns along drives the whirl above its threshold speed: the run ends and names the cause.
+#[test]
+fn whirl_that_its_damping_drives_ends_with_the_cause() {
+    let mut machine = motor_spindle();
+    (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
+    machine.rotor.speed = 60_000.0 * RPM;
+    machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
+    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE };
+    let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
+    assert!(error.contains("rotating_share"), "{error}");
+}
