@@ -89,6 +89,12 @@ def case_optimum_over_an_envelope(running):
     running.request("POST", f"/v1/jobs/{answer.get('id')}/cancel")
 
 
+def case_one_name_of_an_item(running):
+    axes = [{"path": f"/surfaces/outer/defects/{item}/length_mm", "values": [0.2, 0.4]} for item in ("0", "00")]
+    status, _, answer = running.request("POST", "/v1/jobs", motor(spall(), kind="study", axes=axes))
+    verdict(status == 422 and "has no item 00" in str(answer), f"items 0 and 00 are not two fields: status {status}")
+
+
 def case_waves_that_change_nothing(running):
     waves = {"outer": {"waviness": [{"order": order, "amplitude_nm": 100} for order in (8, 5000)]}}
     answer = resolved(running, {"scene": motor(waves)["scene"]})
