@@ -1,9 +1,9 @@
 //! Defects over which a ball may leave a raceway. It is then not in equilibrium between them.
 //!
 //! The path over a defect asks a ball for a radial acceleration r̈. Its contacts carry it there while both of their loads are positive:
-//! Q_i + a_e m r̈ on the inner raceway and Q_i + F − m (1 − a_e) r̈ on the outer one. Q_i is the load that is left where the ball has
-//! fallen by y, with the approach D − y of both contacts, F the centrifugal force, and a_e the share of the outer contact in an approach. Where
-//! the height h of a raceway falls by y, the ball moves with r̈ = (1 − a_e) ÿ over an outer defect and with −a_e ÿ over an inner one.
+//! Q_i + a_e m r̈ on the inner raceway and Q_i + F − m (1 − a_e) r̈ on the outer one. F is the centrifugal force, and a_e the share of the
+//! outer contact in an approach. Q_i is the load at the approach D − y, which is left where the ball has fallen by y. The ball moves with
+//! r̈ = (1 − a_e) ÿ over an outer defect and with −a_e ÿ over an inner one.
 //!
 //! An outer defect has to carry balls at its own azimuth. An inner defect passes all azimuths and has to carry a ball where the load is
 //! largest: elsewhere less load changes, and a ball outside the load zone does not touch it.
