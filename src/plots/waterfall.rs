@@ -98,8 +98,9 @@ impl<'a> Waterfall<'a> {
         );
         let mut drawing = Drawing::new(WIDTH, TOP + PANEL + BOTTOM, title, subtitle, &description);
         let (right, bottom) = (WIDTH - RIGHT, TOP + PANEL);
-        let highest = (self.columns as f64 * self.resolution).max(f64::MIN_POSITIVE);
-        let x = Scale { values: (0.0, highest), positions: (LEFT, right) };
+        // A bin reaches half its width to either side of its place.
+        let edge = |bins: f64| (bins - 0.5) * self.resolution;
+        let x = Scale { values: (edge(0.0), edge(self.columns as f64)), positions: (LEFT, right) };
         let y = Scale { values: ends(upwards.of_row), positions: (bottom, TOP) };
         drawing.rectangle("panel", LEFT, TOP, right - LEFT, PANEL);
         if self.amplitude.is_empty() {
