@@ -21,7 +21,7 @@ ANSWERS = {
     "OrdersAnswer": "`GET /v1/jobs/{id}/orders`",
     "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
-    "MachineAnswer": "`GET /v1/jobs/{id}/machine`",
+    "MachineJobAnswer": "`GET /v1/jobs/{id}/machine`",
 }
 # Parts that another page describes.
 ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",

@@ -19,6 +19,7 @@ use crate::contract::json::units::US;
 
 /// Result of a machine job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(as = MachineJobAnswer)]
 pub struct MachineAnswer {
     /// Metrics of each signal from 0 to 20 kHz, by channel: `A.y.acceleration` of the inner ring of bearing A, `A.force.y` and
     /// `A.moment.z` of the shaft on it, `A.tilt.y`, `A.cage.speed`, `sensor.NAME.acceleration`.
