@@ -2,8 +2,10 @@
 //! that the spindle has turned.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use super::limits::{Faults, HIGHEST_FREQUENCY, MOST_POINTS, SHORTEST_RAMP};
+use super::samples::Samples;
 use crate::numerics::angle::sin_cos;
 
 /// Largest number of loads.
@@ -46,6 +48,7 @@ pub enum LoadCourse {
     Points(Vec<(f64, f64)>),
     Harmonic(Harmonic),
     Shock(Shock),
+    Samples(Arc<Samples>),
 }
 
 /// amplitude · cos(argument + phase). The argument is that of the rate.
@@ -107,6 +110,7 @@ impl LoadCourse {
                 elapsed if elapsed > 0.0 && elapsed < *duration => peak * sin_cos(PI * elapsed / duration).0,
                 _ => 0.0,
             },
+            Self::Samples(samples) => samples.at(time),
         }
     }
 
@@ -128,6 +132,7 @@ impl LoadCourse {
             }
             Self::Harmonic(harmonic) => harmonic.amplitude,
             Self::Shock(shock) => shock.peak.abs(),
+            Self::Samples(samples) => samples.largest_change(),
         }
     }
 }
@@ -169,6 +174,10 @@ impl Load {
                         faults.check("operation.loads.shock.at", *at);
                         faults.check("operation.loads.shock.duration", *duration);
                     }
+                    LoadCourse::Samples(samples) => {
+                        faults
+                            .check(name("operation.loads.series", "operation.loads.series_moment"), samples.largest());
+                    }
                 }
             }
             Self::Rotating(harmonic) => {
@@ -206,7 +215,16 @@ impl Load {
         match self {
             Self::Along(_, LoadCourse::Points(points)) if self.is_varying() => points.last().map(|point| point.0),
             Self::Along(_, LoadCourse::Shock(shock)) => Some(shock.at + shock.duration),
+            Self::Along(_, LoadCourse::Samples(samples)) if self.is_varying() => Some(samples.end()),
             _ => None,
+        }
+    }
+
+    /// Longest step that resolves a harmonic load or a series [s]; `None` for others.
+    fn longest_step(&self, largest_speed: f64) -> Option<f64> {
+        match self {
+            Self::Along(_, LoadCourse::Samples(samples)) => Some(1.0 / samples.rate()),
+            other => other.harmonic().map(|harmonic| 1.0 / (STEPS_PER_PERIOD * harmonic.frequency(largest_speed))),
         }
     }
 
@@ -289,8 +307,8 @@ pub struct VaryingLoads {
     /// Loads along one direction, less their start.
     along: Vec<(LoadDirection, LoadCourse, f64)>,
     rotating: Vec<Harmonic>,
-    /// Longest step that resolves every harmonic load [s].
-    harmonic_step: f64,
+    /// Longest step that resolves every harmonic load and every series [s].
+    steady_step: f64,
     /// Largest changes.
     pub largest: SpindleLoad,
 }
@@ -299,15 +317,14 @@ impl VaryingLoads {
     /// `None` where no load varies. `largest_speed`: of the spindle [rad/s].
     pub fn of(loads: &[Load], largest_speed: f64) -> Option<Self> {
         let (_, largest) = start_and_largest_change(loads);
-        let mut varying = Self { along: Vec::new(), rotating: Vec::new(), harmonic_step: f64::INFINITY, largest };
+        let mut varying = Self { along: Vec::new(), rotating: Vec::new(), steady_step: f64::INFINITY, largest };
         for load in loads.iter().filter(|load| load.is_varying()) {
             match load {
                 Load::Along(direction, course) => varying.along.push((*direction, course.clone(), course.at_start())),
                 Load::Rotating(harmonic) => varying.rotating.push(*harmonic),
             }
-            if let Some(harmonic) = load.harmonic() {
-                let period = 1.0 / harmonic.frequency(largest_speed);
-                varying.harmonic_step = varying.harmonic_step.min(period / STEPS_PER_PERIOD);
+            if let Some(step) = load.longest_step(largest_speed) {
+                varying.steady_step = varying.steady_step.min(step);
             }
         }
         (!varying.along.is_empty() || !varying.rotating.is_empty()).then_some(varying)
@@ -333,19 +350,20 @@ impl VaryingLoads {
         self.along.iter().flat_map(|(_, course, _)| match course {
             LoadCourse::Points(points) => points.iter().map(|point| point.0).collect(),
             LoadCourse::Shock(Shock { at, duration, .. }) => vec![*at, at + duration],
+            LoadCourse::Samples(samples) => vec![samples.end()],
             LoadCourse::Constant(_) | LoadCourse::Harmonic(_) => Vec::new(),
         })
     }
 
     /// Longest step of fixed length that resolves every load [s].
     pub fn longest_fixed_step(&self) -> f64 {
-        self.shocks().map(Shock::longest_step).fold(self.harmonic_step, f64::min)
+        self.shocks().map(Shock::longest_step).fold(self.steady_step, f64::min)
     }
 
     /// Longest step that resolves the loads from a time on [s]. Steps end where a shock begins.
     pub fn longest_step_from(&self, time: f64) -> f64 {
         let is_on = |shock: &&Shock| time >= shock.at && time < shock.at + shock.duration;
-        self.shocks().filter(is_on).map(Shock::longest_step).fold(self.harmonic_step, f64::min)
+        self.shocks().filter(is_on).map(Shock::longest_step).fold(self.steady_step, f64::min)
     }
 
     /// True where a load neither is constant nor repeats.
