@@ -19,6 +19,7 @@ KINDS = ("simulation", "study", "optimum", "accuracy")
 ANSWERS = {
     "Metrics": "`GET /v1/jobs/{id}/metrics`, and `metrics` of a finished job",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
+    "MachineAnswer": "`GET /v1/jobs/{id}/machine`",
 }
 # Parts that another page describes.
 ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",
@@ -175,8 +176,8 @@ Square brackets include the end of a range, round ones exclude it. Where to find
     roots = [one for field in merged.values() for one in schemas.objects(field)]
     listed = order_of(schemas, roots)
     yield from objects(schemas, listed)
-    # A rotor job shares materials and bearings with the others, and no other object.
-    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob"]) if name not in listed])
+    # Jobs of shafts share materials and bearings with the others, and no other object.
+    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob", "MachineJob"]) if name not in listed])
 
 
 def order_of(schemas, waiting):

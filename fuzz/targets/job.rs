@@ -74,7 +74,7 @@ fn accepted(job: &Job) {
         }
         Job::Optimum(search) => assert!(search.most_runs() > 0),
         // A rotor has no scene to resolve, and was left above.
-        Job::Simulation(_) | Job::Accuracy(_) | Job::Rotor(_) => {}
+        Job::Simulation(_) | Job::Accuracy(_) | Job::Rotor(_) | Job::Machine(_) => {}
     }
 }
 

@@ -343,6 +343,8 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
                 "accuracy" => "…/accuracy and …/plots/work-precision.svg",
                 "optimum" => "…/optimum and …/plots/optimum.svg",
                 "study" => "…/table, …/plots/trend.svg and …/plots/map.svg",
+                "rotor" => "…/rotor and …/rotor.py",
+                "machine" => "…/machine, …/spectrum and …/plots/spectrum.svg",
                 _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
             };
             let detail = format!("a job of kind `{kind}` has no such result; its results are at {has}");

@@ -90,7 +90,7 @@ fn router() -> Router {
         .route("/v1/series/{hash}", get(uploaded).delete(uploaded))
         .route("/v1/scenes/resolve", post(resolve))
         .route("/portal/{*file}", get(portal::file));
-    for result in ["metrics", "channels", "accuracy", "optimum", "rotor"] {
+    for result in ["metrics", "channels", "accuracy", "optimum", "rotor", "machine"] {
         router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(with_job));
     }
     for action in ["cancel", "resume"] {

@@ -160,6 +160,10 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub rotor_script: Option<String>,
+    /// Result of a machine job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub machine: Option<String>,
 }
 
 /// A page of jobs.
@@ -278,15 +282,16 @@ impl Links {
         let succeeded = |of: JobKind| status == Status::Succeeded && kind == of.name();
         let (simulated, compared) = (succeeded(JobKind::Simulation), succeeded(JobKind::Accuracy));
         let drawn = simulated && (spectra || series);
+        let in_time = succeeded(JobKind::Machine);
         Self {
             events: format!("{this}/events"),
             cancel: link("cancel", !status.is_final()),
             metrics: link("metrics", simulated),
-            spectrum: link("spectrum", simulated && spectra),
-            channels: link("channels", simulated),
+            spectrum: link("spectrum", in_time || simulated && spectra),
+            channels: link("channels", in_time || simulated),
             series: link("series", simulated && series),
-            spectrum_svg: link("plots/spectrum.svg", simulated && spectra),
-            envelope_svg: link("plots/envelope.svg", simulated && spectra),
+            spectrum_svg: link("plots/spectrum.svg", in_time || simulated && spectra),
+            envelope_svg: link("plots/envelope.svg", in_time || simulated && spectra),
             impact_svg: link("plots/impact.svg", drawn && fields.scene.surfaces.have_defects()),
             velocity_svg: link("plots/velocity.svg", drawn),
             acceleration_svg: link("plots/acceleration.svg", drawn),
@@ -303,6 +308,7 @@ impl Links {
             optimum_svg: link("plots/optimum.svg", succeeded(JobKind::Optimum)),
             accuracy: link("accuracy", compared),
             rotor: link("rotor", succeeded(JobKind::Rotor)),
+            machine: link("machine", in_time),
             rotor_script: link("rotor.py", succeeded(JobKind::Rotor)),
             work_precision_svg: link("plots/work-precision.svg", compared),
             this,

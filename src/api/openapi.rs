@@ -16,6 +16,7 @@ use utoipa::{IntoResponses, Modify, OpenApi};
 use super::error::{ApiError, PROBLEM_JSON, Problem};
 use super::limits::{BODY_LIMIT, SERIES_LIMIT};
 use super::submission_headers::wrong_wait;
+use crate::contract::job::machine::MachineInput;
 use crate::contract::job::schema;
 use crate::contract::{FieldError, Refusal};
 use crate::jobs::{ExpiredJob, JobError, Status};
@@ -46,7 +47,7 @@ pub const DOCUMENT: &str = "document";
         (name = "document", description = "This description; as a page at `/docs/`")
     ),
     security(("token" = [])),
-    components(schemas(Problem)),
+    components(schemas(Problem, MachineInput)),
     modifiers(&TokenScheme)
 )]
 pub struct Description;
@@ -318,6 +319,7 @@ fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
         ("getAccuracy", "For a succeeded accuracy job", None),
         ("getRotor", "For a succeeded rotor job", None),
         ("getRotorScript", "For a succeeded rotor job", None),
+        ("getMachine", "For a succeeded machine job", None),
     ];
     links.into_iter().map(|(operation, description, more)| {
         let link =

@@ -19,7 +19,7 @@ use crate::contract::answer::views::TraceView;
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
 };
-use crate::jobs::Signal;
+use crate::jobs::{JobError, Signal};
 use crate::plots::draw;
 
 /// Names of plots. The kind of a job decides which of them it has.
@@ -52,6 +52,7 @@ enum PlotName {
 
 pub const OF_SIMULATION: &[&str] =
     &["spectrum.svg", "envelope.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg", "impact.svg"];
+pub const OF_MACHINE: &[&str] = &["spectrum.svg", "envelope.svg"];
 pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
 pub const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
@@ -73,6 +74,8 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 /// run. Of a run longer than 1 s they show at most its first second.
 ///
 /// Other kinds:
+/// - `spectrum.svg`, `envelope.svg` (machine job): the spectra of the sensors' accelerations, or without sensors, of the bearings' inner
+///   rings along y, with labelled lines.
 /// - `work-precision.svg` (accuracy job): error against run time, one curve for each method.
 /// - `optimum.svg` (optimum job): the runs and the best point.
 /// - `trend.svg`, `map.svg` (study over one axis or two): the points that have been computed.
@@ -131,6 +134,8 @@ async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response,
                 OF_OPTIMUM
             } else if is(JobKind::Study) {
                 OF_STUDY
+            } else if is(JobKind::Machine) {
+                OF_MACHINE
             } else {
                 OF_SIMULATION
             };
@@ -140,7 +145,12 @@ async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response,
 }
 
 async fn spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result<Response, ApiError> {
-    let metrics = app.jobs.metrics(owner, id).await?;
+    let metrics = match app.jobs.metrics(owner, id, JobKind::Simulation).await {
+        Err(JobError::OtherKind { kind: other }) if other == JobKind::Machine.name() => {
+            return machine_spectra(app, owner, id, kind).await;
+        }
+        metrics => metrics?,
+    };
     let is_shown = |channel: &String| kind == SpectrumKind::Amplitude || draw::is_of_spindle(channel, "acceleration");
     let mut spectra = Vec::new();
     for channel in app.jobs.channels(owner, id, Signal::Amplitude).await?.into_iter().filter(is_shown) {
@@ -155,6 +165,18 @@ async fn spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result
         Ok(svg_response(draw(&metrics, &spectra)))
     })
     .await
+}
+
+/// Spectra of a machine job: of its sensors, or without any, of its bearings along Y.
+async fn machine_spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result<Response, ApiError> {
+    let metrics = app.jobs.metrics(owner, id, JobKind::Machine).await?;
+    let kept = app.jobs.channels(owner, id, kind.into()).await?;
+    let has_sensors = kept.iter().any(|channel| draw::is_of_machine(channel, true));
+    let mut spectra = Vec::new();
+    for channel in kept.iter().filter(|channel| draw::is_of_machine(channel, has_sensors)) {
+        spectra.push(spectrum_of(app, owner, id, kind, channel).await?);
+    }
+    formatted(move || Ok(svg_response(draw::machine_spectra(&read(metrics.as_bytes())?, kind, &spectra)))).await
 }
 
 /// A plot of the data that are kept for plots. Some models lack the data of some plots.

@@ -19,7 +19,7 @@ use super::series_answer::Part;
 use super::stored_answer::{CSV, JSON, NPY, formatted, json_text, respond, series_of, spectrum_of};
 use crate::contract::answer::csv;
 use crate::contract::{
-    JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
+    JobKind, MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
 };
 use crate::jobs::{JobError, Signal, StoredSeries};
 
@@ -40,7 +40,7 @@ pub async fn metrics(
     _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id).await?).into_response())
+    Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id, JobKind::Simulation).await?).into_response())
 }
 
 /// List the channels
@@ -175,6 +175,26 @@ pub async fn optimum(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     Ok(([(CONTENT_TYPE, JSON)], app.jobs.report(&owner, id, JobKind::Optimum).await?).into_response())
+}
+
+/// Get the result of a machine job
+///
+/// Metrics of every signal, labelled lines, what each bearing did, natural frequencies, and the error of the levels. Spectra are in
+/// `…/spectrum`.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/machine", tag = openapi::RESULTS, operation_id = "getMachine",
+    params(("id" = Uuid, Path, description = "The job, of kind `machine`")),
+    responses((status = 200, description = "The result", body = MachineAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn machine(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    _: Query<NoQuery>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id, JobKind::Machine).await?).into_response())
 }
 
 #[derive(Debug, Deserialize, IntoParams)]

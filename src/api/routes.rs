@@ -69,6 +69,7 @@ fn result_routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(results::optimum))
         .routes(routes!(rotor::result))
         .routes(routes!(rotor::ross_script))
+        .routes(routes!(results::machine))
         .routes(routes!(studies::table))
         .routes(routes!(plots::plot));
     match app {

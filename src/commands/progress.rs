@@ -85,7 +85,9 @@ fn announcement(job: &Job) -> String {
             let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
             format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
         }
-        Job::Simulation(_) | Job::Study(_) | Job::Rotor(_) => format!("{kind}: {simulated}; {estimate}"),
+        Job::Simulation(_) | Job::Study(_) | Job::Rotor(_) | Job::Machine(_) => {
+            format!("{kind}: {simulated}; {estimate}")
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use super::output_directory::OutputDirectory;
 use super::{accuracy, optimum};
 use crate::config::SimulateOptions;
 use crate::contract::answer::csv;
-use crate::contract::{self, JobKind, Outcome, SeriesAnswer, Simulated, SpectrumKind};
+use crate::contract::{self, JobKind, MachineOutcome, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::plots::draw;
 
 /// Runs the job and prints its metrics.
@@ -32,6 +32,7 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
         Outcome::Accuracy(answer) => json(answer),
         Outcome::Optimum(answer) => json(answer),
         Outcome::Rotor(answer) => json(answer),
+        Outcome::Machine(outcome) => json(&outcome.answer),
     };
     let mut stdout = std::io::stdout().lock();
     if let Err(error) = writeln!(stdout, "{text}") {
@@ -42,6 +43,7 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
         Outcome::Optimum(answer) => optimum::write(answer, directory),
         Outcome::Rotor(answer) => directory.write("rotor.json", &json(answer)),
+        Outcome::Machine(outcome) => write_machine(outcome, directory),
     });
     match written {
         Some(Err(error)) => failed(&error),
@@ -52,20 +54,35 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
 /// Writes all results as files.
 fn write(outcome: &Simulated, directory: &OutputDirectory) -> Result<(), String> {
     directory.write("metrics.json", &json(&outcome.metrics))?;
-    for spectrum in &outcome.spectra {
-        let kind = match spectrum.kind {
-            SpectrumKind::Amplitude => "spectrum",
-            SpectrumKind::Envelope => "envelope",
-        };
-        directory.write(&format!("{kind}.{}.json", spectrum.channel), &json(spectrum))?;
-        directory.write(&format!("{kind}.{}.csv", spectrum.channel), &csv::spectrum_csv(spectrum))?;
-    }
+    write_spectra(&outcome.spectra, directory)?;
     for series in outcome.series.iter().map(SeriesAnswer::of) {
         directory.write(&format!("series.{}.json", series.channel), &json(&series))?;
         directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(&series))?;
     }
     for (name, picture) in draw::pictures(outcome) {
         directory.write(name, &picture)?;
+    }
+    Ok(())
+}
+
+/// Writes all results of a machine job as files.
+fn write_machine(outcome: &MachineOutcome, directory: &OutputDirectory) -> Result<(), String> {
+    directory.write("machine.json", &json(&outcome.answer))?;
+    write_spectra(&outcome.spectra, directory)?;
+    for (name, kind) in [("spectrum.svg", SpectrumKind::Amplitude), ("envelope.svg", SpectrumKind::Envelope)] {
+        directory.write(name, &draw::machine_spectra(&outcome.answer, kind, &outcome.spectra))?;
+    }
+    Ok(())
+}
+
+fn write_spectra(spectra: &[SpectrumAnswer], directory: &OutputDirectory) -> Result<(), String> {
+    for spectrum in spectra {
+        let kind = match spectrum.kind {
+            SpectrumKind::Amplitude => "spectrum",
+            SpectrumKind::Envelope => "envelope",
+        };
+        directory.write(&format!("{kind}.{}.json", spectrum.channel), &json(spectrum))?;
+        directory.write(&format!("{kind}.{}.csv", spectrum.channel), &csv::spectrum_csv(spectrum))?;
     }
     Ok(())
 }

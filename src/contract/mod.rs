@@ -12,6 +12,7 @@ pub mod scene;
 pub(crate) mod json;
 
 pub use answer::failure::RunFailure;
+pub use answer::machine::{MachineAnswer, MachineOutcome};
 pub use answer::metrics::{ChannelAnswer, LineAnswer, Metrics};
 pub use answer::optimum::OptimumAnswer;
 pub use answer::point::{PointEnd, PointStatus};

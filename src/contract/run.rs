@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::answer::failure::{INTERNAL, NUMERICAL_BLOWUP, RunFailure};
+use super::answer::machine::MachineOutcome;
 use super::answer::metrics::Metrics;
 use super::answer::optimum::OptimumAnswer;
 use super::answer::point::PointEnd;
@@ -32,6 +33,7 @@ pub enum Outcome {
     Accuracy(Box<WorkPrecisionAnswer>),
     Optimum(Box<OptimumAnswer>),
     Rotor(Box<RotorAnswer>),
+    Machine(Box<MachineOutcome>),
 }
 
 /// The result of a simulation.
@@ -50,7 +52,7 @@ impl Outcome {
     pub fn into_simulated(self) -> Result<Simulated, RunFailure> {
         match self {
             Self::Simulation(simulated) => Ok(*simulated),
-            Self::Accuracy(_) | Self::Optimum(_) | Self::Rotor(_) => {
+            Self::Accuracy(_) | Self::Optimum(_) | Self::Rotor(_) | Self::Machine(_) => {
                 Err(internal("the result is not that of a simulation"))
             }
         }
@@ -78,6 +80,14 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
             Ok(Outcome::Accuracy(Box::new(answer)))
         }
         Job::Rotor(rotor) => Ok(Outcome::Rotor(Box::new(execute_rotor(rotor, control.stop)?))),
+        Job::Machine(machine) => {
+            let outcome = MachineOutcome::of(machine, control)?;
+            check_finite("machine", &outcome.answer)?;
+            match outcome.spectra.iter().find(|spectrum| !spectrum.is_finite()) {
+                None => Ok(Outcome::Machine(Box::new(outcome))),
+                Some(spectrum) => Err(blowup(&format!("the spectrum of {}", spectrum.channel))),
+            }
+        }
     }
 }
 
@@ -177,7 +187,7 @@ fn null_in(value: &Value, pointer: &str) -> Option<String> {
 /// Builds a scene from JSON: a scene, `{ "scene": … }`, or a whole job.
 pub fn scene_from_json(text: &str) -> Result<Scene, Refusal> {
     let job = parse_job_or_scene(text.as_bytes())?;
-    job.scene()
-        .cloned()
-        .ok_or_else(|| FieldError::new("/kind", "a job of kind `rotor` has no scene of a bearing").into())
+    job.scene().cloned().ok_or_else(|| {
+        FieldError::new("/kind", "jobs of the kinds `rotor` and `machine` have no scene of one bearing").into()
+    })
 }

@@ -296,12 +296,12 @@ impl Jobs {
         tx.commit().await
     }
 
-    /// The metrics of a succeeded simulation, as JSON text.
-    pub async fn metrics(&self, owner: &str, id: Uuid) -> Result<String, JobError> {
-        self.found(owner, id, self.parts.store.metrics(owner, id).await).await
+    /// The metrics of a succeeded simulation or machine job, as JSON text.
+    pub async fn metrics(&self, owner: &str, id: Uuid, kind: JobKind) -> Result<String, JobError> {
+        self.found(owner, id, self.parts.store.metrics(owner, id, kind).await).await
     }
 
-    /// A spectrum of a succeeded simulation.
+    /// A spectrum of a succeeded simulation or machine job.
     pub async fn spectrum(
         &self,
         owner: &str,
@@ -317,7 +317,7 @@ impl Jobs {
         self.found(owner, id, self.parts.store.series(owner, id, channel).await).await
     }
 
-    /// Channels for which a succeeded simulation keeps a signal of this kind.
+    /// Channels for which a succeeded simulation or machine job keeps a signal of this kind.
     pub async fn channels(&self, owner: &str, id: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
         self.found(owner, id, self.parts.store.channels(owner, id, signal).await).await
     }

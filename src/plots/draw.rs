@@ -20,7 +20,8 @@ use crate::contract::answer::work_precision::reference::floors;
 use crate::contract::job::input::GoalName;
 use crate::contract::job::outputs::EnvelopeName;
 use crate::contract::{
-    Metrics, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer, WorkPrecisionAnswer,
+    MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer,
+    WorkPrecisionAnswer,
 };
 use raceway_core::simulation::result::lines::Line;
 
@@ -64,6 +65,47 @@ fn labelled_spectra(
     );
     spectrum_svg(title, &subtitle, &curves.collect::<Vec<_>>())
 }
+
+/// Whether the plots of a machine job show a channel: those of its sensors, or without any, of the bearings' inner rings along Y.
+pub fn is_of_machine(channel: &str, has_sensors: bool) -> bool {
+    if has_sensors { channel.starts_with("sensor.") } else { channel.ends_with(".y.acceleration") }
+}
+
+/// The spectra of a machine job, with their labelled lines.
+pub fn machine_spectra(answer: &MachineAnswer, kind: SpectrumKind, spectra: &[SpectrumAnswer]) -> String {
+    let (title, lines) = match kind {
+        SpectrumKind::Amplitude => ("Vibration spectrum", &answer.lines),
+        SpectrumKind::Envelope => ("Envelope spectrum", &answer.envelope_lines),
+    };
+    let has_sensors = answer.channels.keys().any(|channel| channel.starts_with("sensor."));
+    let shown: Vec<&SpectrumAnswer> = spectra
+        .iter()
+        .filter(|spectrum| spectrum.kind == kind && is_of_machine(&spectrum.channel, has_sensors))
+        .take(MOST_PANELS)
+        .collect();
+    let lines: Vec<Vec<Line>> = shown.iter().map(|spectrum| lines_of(lines, &spectrum.channel)).collect();
+    let curves: Vec<SpectrumCurve<'_>> = shown
+        .iter()
+        .zip(&lines)
+        .map(|(spectrum, lines)| SpectrumCurve {
+            name: &spectrum.channel,
+            unit: &spectrum.unit,
+            resolution_hz: spectrum.resolution_hz,
+            amplitude: &spectrum.amplitude,
+            lines,
+        })
+        .collect();
+    let of_bearings = answer.bearings.iter().map(|(name, bearing)| {
+        let [outer, inner] = [bearing.ball_pass_outer_hz, bearing.ball_pass_inner_hz];
+        format!("{name}: BPFO {outer:.1} Hz, BPFI {inner:.1} Hz")
+    });
+    let shaft = answer.bearings.values().next().map_or(0.0, |bearing| bearing.shaft_hz);
+    let subtitle = format!("shaft {shaft:.1} Hz; {}", of_bearings.collect::<Vec<_>>().join("; "));
+    spectrum_svg(title, &subtitle, &curves)
+}
+
+/// Most panels of a plot of a machine job.
+const MOST_PANELS: usize = 4;
 
 fn lines_of(lines: &[LineAnswer], channel: &str) -> Vec<Line> {
     let lines = lines.iter().filter(|line| line.channel == channel);

@@ -30,6 +30,15 @@ ROTOR = {
         "operation": {"speed_rpm": 12000}},
     "speeds_rpm": {"from": 0, "to": 60000, "count": 3},
 }
+MACHINE = {
+    "kind": "machine",
+    "scene": {
+        "shaft": {"sections": [{"length_mm": 300, "outer_diameter_mm": 25}], "unbalances": [{"at_mm": 150, "unbalance_g_mm": 20}]},
+        "bearings": [{"name": name, "bearing": "6205", "at_mm": at, "faces": faces} for name, at, faces in (("A", 40, "+x"), ("B", 260, "-x"))],
+        "preloads": [{"between": ["A", "B"], "force_n": 200}],
+        "operation": {"speed_rpm": 6000}},
+    "duration_s": 0.02, "settle_s": 0.02,
+}
 # Number of entries of a long list or map.
 SHOWN = 2
 MAPS = ("bearings", "materials", "lubricants", "channels", "best", "trends")
@@ -86,6 +95,9 @@ def recorded(running):
     rotor = running.submit(ROTOR)[0]
     running.ended(rotor)
     examples["getRotor"] = {"200": answer("GET", f"{rotor}/rotor")}
+    machine = running.submit(MACHINE)[0]
+    running.ended(machine)
+    examples["getMachine"] = {"200": answer("GET", f"{machine}/machine")}
     examples["isAlive"] = {"200": answer("GET", "/health/live")}
     examples["isReady"] = {"200": answer("GET", "/health/ready")}
     return examples

@@ -8,6 +8,7 @@ pub mod report;
 pub mod signals;
 pub mod views;
 
+pub mod machine;
 pub mod optimum;
 pub mod ross;
 pub mod rotor;

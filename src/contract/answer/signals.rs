@@ -68,8 +68,18 @@ impl SpectrumAnswer {
         solver: &SolverReport,
     ) -> Self {
         let mean_step = solver.statistics.advanced / solver.statistics.steps.max(1) as f64;
+        Self::of_steps((channel.to_string(), unit), kind, spectrum, mean_step)
+    }
+
+    /// The spectrum of a run in steps of a mean length [s].
+    pub fn of_steps(
+        (channel, unit): (String, String),
+        kind: SpectrumKind,
+        spectrum: &Spectrum,
+        mean_step: f64,
+    ) -> Self {
         Self {
-            channel: channel.to_string(),
+            channel,
             kind,
             unit,
             window: spectrum.window.to_owned(),

@@ -5,6 +5,7 @@ use serde_json::Value;
 
 use super::comparison::Comparison;
 use super::kind::JobKind;
+use super::machine::MachineJob;
 use super::rotor::RotorJob;
 use super::search::Search;
 use super::simulation::{Simulation, Submission};
@@ -20,6 +21,7 @@ pub enum Job {
     Optimum(Search),
     Accuracy(Comparison),
     Rotor(Box<RotorJob>),
+    Machine(Box<MachineJob>),
 }
 
 impl Job {
@@ -31,6 +33,7 @@ impl Job {
             JobKind::Optimum => Search::of(request, uploads).map(Self::Optimum),
             JobKind::Accuracy => Comparison::of(request, uploads).map(Self::Accuracy),
             JobKind::Rotor => RotorJob::of(request).map(|job| Self::Rotor(Box::new(job))),
+            JobKind::Machine => MachineJob::of(request).map(|job| Self::Machine(Box::new(job))),
         }
     }
 
@@ -53,17 +56,19 @@ impl Job {
             Self::Optimum(_) => JobKind::Optimum,
             Self::Accuracy(_) => JobKind::Accuracy,
             Self::Rotor(_) => JobKind::Rotor,
+            Self::Machine(_) => JobKind::Machine,
         }
     }
 
-    /// The simulation itself, or what all runs of the job share; `None` for a rotor job, which simulates nothing.
+    /// The simulation itself, or what all runs of the job share; `None` for rotor and machine jobs, whose scene is
+    /// that of a shaft.
     pub fn base(&self) -> Option<&Simulation> {
         match self {
             Self::Simulation(simulation) => Some(simulation),
             Self::Study(study) => Some(&study.base),
             Self::Optimum(search) => Some(&search.base),
             Self::Accuracy(comparison) => Some(&comparison.base),
-            Self::Rotor(_) => None,
+            Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
 
@@ -74,10 +79,11 @@ impl Job {
             Self::Optimum(search) => &search.base.submission,
             Self::Accuracy(comparison) => &comparison.base.submission,
             Self::Rotor(rotor) => &rotor.submission,
+            Self::Machine(machine) => &machine.submission,
         }
     }
 
-    /// The scene of the simulations; `None` for a rotor job.
+    /// The scene of the simulations; `None` for rotor and machine jobs.
     pub fn scene(&self) -> Option<&Scene> {
         self.base().map(Simulation::scene)
     }
@@ -103,7 +109,7 @@ impl Job {
         match self {
             Self::Study(study) => Some(study.points),
             Self::Optimum(search) => Some(search.most_runs()),
-            Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
+            Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
 
@@ -115,6 +121,7 @@ impl Job {
             Self::Optimum(search) => search.canonical().to_string(),
             Self::Accuracy(comparison) => comparison.complete().to_string(),
             Self::Rotor(rotor) => rotor.complete().to_string(),
+            Self::Machine(machine) => machine.complete().to_string(),
         }
     }
 
@@ -123,6 +130,7 @@ impl Job {
         let mut job = match self {
             Self::Accuracy(comparison) => return comparison.complete(),
             Self::Rotor(rotor) => return rotor.complete(),
+            Self::Machine(machine) => return machine.complete(),
             Self::Simulation(simulation) => simulation.complete(),
             Self::Study(study) => study.base.complete(),
             Self::Optimum(search) => search.base.complete(),

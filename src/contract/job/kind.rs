@@ -7,7 +7,7 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, listed};
 use serde_json::Value;
 
-/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports.
+/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports. `machine`: a shaft on ball bearings in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JobKindName {
@@ -16,6 +16,7 @@ pub enum JobKindName {
     Optimum,
     Accuracy,
     Rotor,
+    Machine,
 }
 
 /// Kinds of jobs.
@@ -26,6 +27,7 @@ pub enum JobKind {
     Optimum,
     Accuracy,
     Rotor,
+    Machine,
 }
 
 impl From<JobKindName> for JobKind {
@@ -36,6 +38,7 @@ impl From<JobKindName> for JobKind {
             JobKindName::Optimum => Self::Optimum,
             JobKindName::Accuracy => Self::Accuracy,
             JobKindName::Rotor => Self::Rotor,
+            JobKindName::Machine => Self::Machine,
         }
     }
 }
@@ -44,7 +47,8 @@ impl From<JobKindName> for JobKind {
 pub const FIELDS_OF_SOME_KINDS: [&str; 6] = ["axes", "metric", "goal", "methods", "relative_tolerances", "repetitions"];
 
 impl JobKind {
-    pub const ALL: [Self; 5] = [Self::Simulation, Self::Study, Self::Optimum, Self::Accuracy, Self::Rotor];
+    pub const ALL: [Self; 6] =
+        [Self::Simulation, Self::Study, Self::Optimum, Self::Accuracy, Self::Rotor, Self::Machine];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -53,13 +57,14 @@ impl JobKind {
             Self::Optimum => "optimum",
             Self::Accuracy => "accuracy",
             Self::Rotor => "rotor",
+            Self::Machine => "machine",
         }
     }
 
     /// Those of `FIELDS_OF_SOME_KINDS` that this kind takes.
     pub fn takes(self) -> &'static [&'static str] {
         match self {
-            Self::Simulation | Self::Rotor => &[],
+            Self::Simulation | Self::Rotor | Self::Machine => &[],
             Self::Study => &["axes"],
             Self::Optimum => &["axes", "metric", "goal"],
             Self::Accuracy => &["methods", "relative_tolerances", "repetitions"],

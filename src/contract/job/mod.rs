@@ -5,6 +5,7 @@ pub mod parse;
 pub mod checked;
 
 pub mod comparison;
+pub mod machine;
 pub mod rotor;
 pub mod search;
 pub mod study;

@@ -16,7 +16,7 @@ use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::shapes::{object, whole_number};
 use crate::contract::json::typed::typed_with_errors;
 use crate::contract::json::units::RPM;
-use crate::contract::scene::rotor_scene::{RotorSceneInput, refuse_unsupported};
+use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput, refuse_unsupported};
 
 /// Default number of natural frequencies, and of speeds.
 const MODES: u32 = 8;
@@ -134,7 +134,7 @@ impl RotorJob {
             unread.append(&mut defaults.errors);
             return Err(Refusal::Invalid { errors: unread });
         };
-        let (rotor, elements) = input.scene.resolve(&mut defaults);
+        let ResolvedRotor { rotor, elements, .. } = input.scene.resolve(&mut defaults);
         let speeds_rpm = speeds(&mut input, &mut defaults);
         let modes = defaults.fill("/modes", &mut input.modes, MODES);
         defaults.check_of_rotor("/modes", f64::from(modes));

@@ -14,6 +14,8 @@ use crate::contract::json::uploads::Uploads;
 const JOB: &str = "JobInput";
 /// Name of the schema of a rotor job, which shares no scene with the other kinds.
 const ROTOR: &str = "RotorJob";
+/// Name of the schema of a machine job.
+const MACHINE: &str = "MachineJob";
 
 /// A kind of job in the OpenAPI document.
 pub struct Kind {
@@ -130,10 +132,14 @@ pub fn complete(schemas: &mut Schemas) {
     schemas.insert(JOB.to_owned(), RefOr::T(any_kind(every.description)));
     for limits in limits::all_of_rotor() {
         let path: Vec<&str> = limits.pointer().split('/').skip(1).collect();
-        change(schemas, ROTOR, &path, &|number| set_limits(number, limits));
+        for job in [ROTOR, MACHINE] {
+            change(schemas, job, &path, &|number| set_limits(number, limits));
+        }
     }
     for (path, name, value) in rotor_defaults() {
-        change(schemas, ROTOR, path, &|object| set_defaults(object, name, Some(&json!({ name: value }))));
+        for job in [ROTOR, MACHINE] {
+            change(schemas, job, path, &|object| set_defaults(object, name, Some(&json!({ name: value }))));
+        }
     }
     for kind in &KINDS {
         let usual = kind.with_defaults();
@@ -148,18 +154,21 @@ pub fn complete(schemas: &mut Schemas) {
 fn any_kind(description: Option<String>) -> Schema {
     let place = |kind: &Kind| Ref::from_schema_name(kind.name);
     let mapping = KINDS.iter().map(|kind| (kind.kind.name(), place(kind).ref_location));
-    let rotor = || Ref::from_schema_name(ROTOR);
-    let mapping = mapping.chain([(JobKind::Rotor.name(), rotor().ref_location)]);
+    let [rotor, machine] = [ROTOR, MACHINE].map(|name| move || Ref::from_schema_name(name));
+    let of_shafts = [(JobKind::Rotor.name(), rotor().ref_location), (JobKind::Machine.name(), machine().ref_location)];
+    let mapping = mapping.chain(of_shafts);
     let any =
         OneOfBuilder::new().description(description).discriminator(Some(Discriminator::with_mapping("kind", mapping)));
-    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).item(rotor()).into()
+    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).item(rotor()).item(machine()).into()
 }
 
-/// Fixed defaults of a rotor job: path to the object, field and value.
-fn rotor_defaults() -> [(&'static [&'static str], &'static str, Value); 14] {
+/// Fixed defaults of a job with a shaft: path to the object, field and value.
+fn rotor_defaults() -> [(&'static [&'static str], &'static str, Value); 16] {
     let (shaft, operation): (&[&str], &[&str]) = (&["scene", "shaft"], &["scene", "operation"]);
     [
         (&[], "modes", json!(8)),
+        (&[], "duration_s", json!(0.2)),
+        (&[], "mode_range", json!(1.5)),
         (&[], "priority", json!(2)),
         (&[], "reuse", json!(true)),
         (&["scene"], "gravity_m_s2", json!(9.81)),
@@ -208,7 +217,7 @@ impl Kind {
         match self.kind {
             JobKind::Study => request["axes"][0]["count"] = json!(2),
             JobKind::Optimum => request["metric"] = json!("/channels/spindle.y.acceleration/level_db"),
-            JobKind::Simulation | JobKind::Accuracy | JobKind::Rotor => {}
+            JobKind::Simulation | JobKind::Accuracy | JobKind::Rotor | JobKind::Machine => {}
         }
         let Ok(job) = Job::of(request, &Uploads::default()) else { return Value::Null };
         let mut complete = job.complete();

@@ -43,13 +43,17 @@ const OF_A_JOB: [FieldLimits; 9] = [
     from("/solver/fixed_step_us", 1e-3, 1e3, "µs"),
 ];
 
-/// Limits of fields of a rotor job, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 40] = [
+/// Limits of fields of rotor and machine jobs, without indices of lists.
+const OF_A_ROTOR: [FieldLimits; 46] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/count", 2.0, 1000.0, ""),
     from("/modes", 1.0, 20.0, ""),
+    from("/duration_s", 1e-3, 60.0, "s"),
+    from("/settle_s", 0.0, 60.0, "s"),
+    from("/step_us", 0.1, 20.0, "µs"),
+    from("/mode_range", 0.1, 5.0, ""),
     from("/priority", 1.0, 4.0, ""),
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),
@@ -73,6 +77,8 @@ const OF_A_ROTOR: [FieldLimits; 40] = [
     from("/scene/shaft/unbalances/unbalance_g_mm", 0.0, 1e9, "g·mm"),
     from("/scene/shaft/unbalances/phase_deg", -360.0, 360.0, "°"),
     from("/scene/bearings/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/bearings/start_azimuth_deg", 0.0, 360.0, "°"),
+    from("/scene/sensors/at_mm", 0.0, 4e6, "mm"),
     from("/scene/bearings/outer_ring/offset_um/x", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/offset_um/y", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/offset_um/z", -1000.0, 1000.0, "µm"),

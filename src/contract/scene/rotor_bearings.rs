@@ -5,9 +5,11 @@ use utoipa::ToSchema;
 
 use super::bearing::{BearingChoice, BearingInput};
 use super::damping::DampingInput;
+use super::lubricant::{LubricantChoice, LubricantInput};
 use super::operation::{OperationInput, SpeedInput};
-use super::scene_input::SceneInput;
+use super::scene_input::{ResolvedScene, SceneInput};
 use super::shaft::check_place;
+use super::surfaces::SurfacesInput;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::short;
 use crate::contract::json::problem::FieldError;
@@ -24,7 +26,7 @@ const MAX_NAME: usize = 32;
 /// Names that channels have.
 const RESERVED: [&str; 5] = ["spindle", "cage", "ball", "sensor", "shaft"];
 
-/// A ball bearing on the shaft. Its stiffness and damping are those about the static equilibrium at each speed.
+/// A ball bearing on the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotorBearingInput {
@@ -48,6 +50,19 @@ pub struct RotorBearingInput {
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub outer_ring: Option<OuterRingInput>,
+    /// A preset name or a lubricant. Default: that of the bearing's preset, else `grease`. It does not matter to jobs of kind `rotor`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<LubricantChoice>)]
+    pub lubricant: Option<NameOr<String, LubricantInput>>,
+    /// Surfaces of raceways and balls. Default: ideal circles and equal balls. They do not matter to jobs of kind `rotor`.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub surfaces: Option<SurfacesInput>,
+    /// Azimuth at which its first ball starts, from +Y to +Z [°]. Default: 137.5° more than that of the bearing before, so that no ball
+    /// passages coincide. It does not matter to jobs of kind `rotor`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 0.0)]
+    pub start_azimuth_deg: Option<f64>,
 }
 
 /// `+x`: carries the shaft's thrust along +X. `-x`: its mirror image.
@@ -112,8 +127,15 @@ pub struct OuterTiltInput {
     pub z: Option<f64>,
 }
 
+/// A bearing in SI.
+pub struct ResolvedBearing {
+    pub rotor: RotorBearing,
+    /// The bearing alone, with all defaults.
+    pub scene: ResolvedScene,
+}
+
 /// The bearings in SI. Errors are noted in `defaults`.
-pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, length_mm: f64) -> Vec<RotorBearing> {
+pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, length_mm: f64) -> Vec<ResolvedBearing> {
     if bearings.len() > MAX_BEARINGS {
         defaults.refuse(POINTER, format!("{} bearings: at most {MAX_BEARINGS}", bearings.len()));
     }
@@ -128,13 +150,14 @@ pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, leng
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another bearing", bearing.name));
         }
         check_place(defaults, &at, bearing.at_mm, length_mm);
-        let Some((one, width)) = bearing.resolve(defaults, &at) else { continue };
-        let overlaps = |(place, of): &(f64, f64)| (place - one.at).abs() < 0.5 * (of + width) * (1.0 - 1e-9);
+        let Some(one) = bearing.resolve(defaults, &at) else { continue };
+        let (place, width) = (one.rotor.at, one.scene.scene.bearing.parameters.width);
+        let overlaps = |(other, of): &(f64, f64)| (other - place).abs() < 0.5 * (of + width) * (1.0 - 1e-9);
         if widths.iter().any(overlaps) {
             let detail = format!("{} mm: the rings overlap those of another bearing", short(bearing.at_mm));
             defaults.refuse(format!("{at}/at_mm"), detail);
         }
-        widths.push((one.at, width));
+        widths.push((place, width));
         resolved.push(one);
     }
     resolved
@@ -142,20 +165,14 @@ pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, leng
 
 impl RotorBearingInput {
     fn check_name(&self, defaults: &mut Defaults, at: &str) {
-        let mut letters = self.name.chars();
-        let is_pattern = letters.next().is_some_and(|first| first.is_ascii_alphabetic())
-            && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-')
-            && self.name.len() <= MAX_NAME;
-        if !is_pattern {
-            let detail = format!("must be a letter, then letters, digits, `_` or `-`, at most {MAX_NAME}");
-            defaults.refuse(format!("{at}/name"), detail);
-        } else if RESERVED.contains(&self.name.as_str()) {
+        check_name(&self.name, defaults, at);
+        if RESERVED.contains(&self.name.as_str()) {
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of a body; give another", self.name));
         }
     }
 
-    /// The bearing and its width [m]; `None` after errors.
-    fn resolve(&mut self, defaults: &mut Defaults, at: &str) -> Option<(RotorBearing, f64)> {
+    /// The bearing; `None` after errors.
+    fn resolve(&mut self, defaults: &mut Defaults, at: &str) -> Option<ResolvedBearing> {
         let faces = match defaults.fill(format!("{at}/faces"), &mut self.faces, FacesName::PlusX) {
             FacesName::PlusX => Faces::PlusX,
             FacesName::MinusX => Faces::MinusX,
@@ -174,9 +191,9 @@ impl RotorBearingInput {
                 initial_perturbation: None,
             },
             spindle: None,
-            lubricant: None,
+            lubricant: self.lubricant.clone(),
             damping: self.damping.clone(),
-            surfaces: None,
+            surfaces: self.surfaces.clone(),
             terms: None,
             gravity_m_s2: None,
         };
@@ -187,13 +204,27 @@ impl RotorBearingInput {
                 return None;
             }
         };
-        self.bearing = scene.input.bearing;
-        self.damping = scene.input.damping;
+        self.bearing = scene.input.bearing.clone();
+        self.damping = scene.input.damping.clone();
+        if let Some(azimuth) = self.start_azimuth_deg {
+            defaults.check_of_rotor(&format!("{at}/start_azimuth_deg"), azimuth);
+        }
         let mut mounted = Mounted::new(RingBearing::new(&scene.scene.bearing), 0.0, faces);
         mounted.outer = outer;
         let damping = scene.scene.raceway_damping.resolve();
-        let bearing = RotorBearing { at: MM.to_si(self.at_mm), mounted, damping };
-        Some((bearing, scene.scene.bearing.parameters.width))
+        Some(ResolvedBearing { rotor: RotorBearing { at: MM.to_si(self.at_mm), mounted, damping }, scene })
+    }
+}
+
+/// Refuses a name that no channel can have; `at`: pointer to the object that has it.
+pub(super) fn check_name(name: &str, defaults: &mut Defaults, at: &str) {
+    let mut letters = name.chars();
+    let is_pattern = letters.next().is_some_and(|first| first.is_ascii_alphabetic())
+        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-')
+        && name.len() <= MAX_NAME;
+    if !is_pattern {
+        let detail = format!("must be a letter, then letters, digits, `_` or `-`, at most {MAX_NAME}");
+        defaults.refuse(format!("{at}/name"), detail);
     }
 }
 
@@ -248,12 +279,11 @@ pub struct PreloadInput {
 pub fn preload(
     preloads: &[PreloadInput],
     inputs: &[RotorBearingInput],
-    bearings: Vec<RotorBearing>,
+    bearings: &mut [ResolvedBearing],
     defaults: &mut Defaults,
-) -> Vec<RotorBearing> {
+) {
     use raceway_core::physics::statics::shaft::RigidShaft;
 
-    let mut bearings = bearings;
     for (index, preload) in preloads.iter().enumerate() {
         let at = format!("/scene/preloads/{index}");
         let place = |name: &String| inputs.iter().position(|bearing| bearing.name == *name);
@@ -265,7 +295,7 @@ pub fn preload(
             defaults.refuse(format!("{at}/between"), "the bearings must face opposite directions");
             continue;
         }
-        let shaft = RigidShaft { bearings: bearings.iter().map(|bearing| bearing.mounted.clone()).collect() };
+        let shaft = RigidShaft { bearings: bearings.iter().map(|bearing| bearing.rotor.mounted.clone()).collect() };
         let set = match (preload.force_n, preload.offset_um) {
             (Some(force), None) if defaults.check_of_rotor(&format!("{at}/force_n"), force) => {
                 shaft.preloaded_by_force([one, other], force).map_err(|error| error.to_string())
@@ -278,10 +308,9 @@ pub fn preload(
         };
         match set {
             Ok(shaft) => {
-                bearings.iter_mut().zip(shaft.bearings).for_each(|(bearing, mounted)| bearing.mounted = mounted);
+                bearings.iter_mut().zip(shaft.bearings).for_each(|(bearing, mounted)| bearing.rotor.mounted = mounted);
             }
             Err(detail) => defaults.refuse(at, detail),
         }
     }
-    bearings
 }

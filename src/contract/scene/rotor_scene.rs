@@ -4,14 +4,18 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::rotor_bearings::{self, PreloadInput, RotorBearingInput};
-use super::shaft::{ElementsName, ShaftInput};
+use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
+use super::scene_input::ResolvedScene;
+use super::shaft::{ElementsName, ShaftInput, check_place};
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list};
-use crate::contract::json::units::RPM;
+use crate::contract::json::units::{MM, RPM};
+use raceway_core::machine::input::Sensor;
 use raceway_core::physics::defaults::GRAVITY;
+use raceway_core::physics::frame::shaft::Shaft;
 use raceway_core::rotor::input::{Elements, Rotor};
+use raceway_core::simulation::input::channel::Axis;
 
 /// A shaft on its supports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -35,9 +39,36 @@ pub struct RotorSceneInput {
     /// Speed and loads.
     #[serde(deserialize_with = "object")]
     pub operation: RotorOperationInput,
+    /// Sensors on the shaft. They do not matter to jobs of kind `rotor`. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 16)]
+    pub sensors: Option<Vec<SensorInput>>,
     /// Acceleration of gravity along +Y [m/s²]. Default 9.81.
     #[schema(nullable = false, example = 9.81)]
     pub gravity_m_s2: Option<f64>,
+}
+
+/// A sensor on the shaft. Its channels are `sensor.NAME.displacement`, `.velocity` and `.acceleration`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensorInput {
+    /// Name: a letter, then letters, digits, `_` or `-`, at most 32.
+    #[schema(pattern = "^[A-Za-z][A-Za-z0-9_-]{0,31}$", example = "probe")]
+    pub name: String,
+    /// Place along the shaft [mm].
+    #[schema(example = 150.0)]
+    pub at_mm: f64,
+    /// Direction in which it measures.
+    pub direction: DirectionName,
+}
+
+/// Direction of the inertial frame: `x` along the shaft, `y` along gravity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DirectionName {
+    X,
+    Y,
+    Z,
 }
 
 /// Operating speed, and forces on the mass centre of shaft and discs.
@@ -58,8 +89,11 @@ pub struct RotorOperationInput {
     pub axial_load_n: Option<f64>,
 }
 
+const MAX_SENSORS: usize = 16;
 /// Fields of the system around a bearing that no analysis takes yet.
-const NOT_YET: [&str; 8] = ["housing", "sensors", "thermal", "fits", "surfaces", "terms", "damping", "lubricant"];
+const NOT_YET: [&str; 4] = ["housing", "thermal", "fits", "terms"];
+/// Fields that each bearing has of its own.
+const OF_BEARINGS: [&str; 3] = ["surfaces", "damping", "lubricant"];
 
 /// Refuses fields of the request's scene that are described, but not supported yet, and removes them.
 pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
@@ -67,7 +101,12 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
     let Some(scene) = scene else { return };
     for field in NOT_YET {
         if scene.remove(field).is_some() {
-            defaults.refuse(format!("/scene/{field}"), "not supported yet by jobs of kind `rotor`");
+            defaults.refuse(format!("/scene/{field}"), "not supported yet with `shaft`");
+        }
+    }
+    for field in OF_BEARINGS {
+        if scene.remove(field).is_some() {
+            defaults.refuse(format!("/scene/{field}"), format!("give it in each item of `bearings`, as `{field}`"));
         }
     }
     if scene.remove("bearing").is_some() {
@@ -85,9 +124,18 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
     }
 }
 
+/// A scene of a shaft in SI.
+pub struct ResolvedRotor {
+    pub rotor: Rotor,
+    pub elements: Elements,
+    /// The bearings of the rotor alone, in its order.
+    pub scenes: Vec<ResolvedScene>,
+    pub sensors: Vec<Sensor>,
+}
+
 impl RotorSceneInput {
-    /// The rotor in SI, and its elements. Errors are noted in `defaults`.
-    pub fn resolve(&mut self, defaults: &mut Defaults) -> (Rotor, Elements) {
+    /// The rotor in SI, with its bearings and sensors. Errors are noted in `defaults`.
+    pub fn resolve(&mut self, defaults: &mut Defaults) -> ResolvedRotor {
         const OPERATION: &str = "/scene/operation";
         let operation = &mut self.operation;
         defaults.check_of_rotor(&format!("{OPERATION}/speed_rpm"), operation.speed_rpm);
@@ -117,11 +165,45 @@ impl RotorSceneInput {
             defaults.refuse("/scene/bearings", "required, or `supports`: the shaft needs at least one of both");
         }
         if bearings.len() == inputs.len() {
-            bearings =
-                rotor_bearings::preload(self.preloads.as_deref().unwrap_or_default(), inputs, bearings, defaults);
+            let preloads = self.preloads.as_deref().unwrap_or_default();
+            rotor_bearings::preload(preloads, inputs, &mut bearings, defaults);
         }
         let elements = self.shaft.elements.unwrap_or(ElementsName::Auto).into();
         let speed = RPM.to_si(operation.speed_rpm);
-        (Rotor { shaft, unbalances, supports, bearings, speed, gravity, load }, elements)
+        let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
+        let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, length_mm, &shaft);
+        ResolvedRotor {
+            rotor: Rotor { shaft, unbalances, supports, bearings, speed, gravity, load },
+            elements,
+            scenes,
+            sensors,
+        }
     }
+}
+
+/// The sensors in SI. Errors are noted in `defaults`.
+fn sensors(inputs: &[SensorInput], defaults: &mut Defaults, length_mm: f64, shaft: &Shaft) -> Vec<Sensor> {
+    const POINTER: &str = "/scene/sensors";
+    if inputs.len() > MAX_SENSORS {
+        defaults.refuse(POINTER, format!("{} sensors: at most {MAX_SENSORS}", inputs.len()));
+    }
+    let mut sensors = Vec::with_capacity(inputs.len());
+    for (index, sensor) in inputs.iter().enumerate() {
+        let at = format!("{POINTER}/{index}");
+        check_name(&sensor.name, defaults, &at);
+        if inputs[..index].iter().any(|other| other.name == sensor.name) {
+            defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another sensor", sensor.name));
+        }
+        check_place(defaults, &at, sensor.at_mm, length_mm);
+        let axis = match sensor.direction {
+            DirectionName::X => Axis::X,
+            DirectionName::Y => Axis::Y,
+            DirectionName::Z => Axis::Z,
+        };
+        if axis == Axis::X && !shaft.is_axially_free {
+            defaults.refuse(format!("{at}/direction"), "the shaft does not move along X: give `shaft.axial` as `free`");
+        }
+        sensors.push(Sensor { name: sensor.name.clone(), at: MM.to_si(sensor.at_mm), axis });
+    }
+    sensors
 }

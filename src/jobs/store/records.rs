@@ -14,6 +14,7 @@ use super::pool::Tx;
 use super::sealed_request::SealedRequest;
 use super::statement::{Statement, Value, statement};
 use super::stored_time::{stored, time};
+use crate::contract::JobKind;
 use crate::jobs::error::JobError;
 use crate::jobs::job::{Failure, JobRecord, Status};
 
@@ -131,8 +132,10 @@ impl Store {
                 (Some(_), None) => return Err(JobError::Corrupt("its row is missing".to_owned())),
                 (None, _) => None,
             };
-            // Jobs of other kinds have a report and no metrics.
-            Ok((row.record(id, owner)?, metrics.filter(|metrics| !metrics.is_empty())))
+            // Jobs of other kinds have a report, or metrics of another form.
+            let record = row.record(id, owner)?;
+            let metrics = metrics.filter(|_| record.kind == JobKind::Simulation.name());
+            Ok((record, metrics))
         };
         self.noted(id, METRICS, read.await).await
     }

@@ -16,10 +16,10 @@ use super::pool::Tx;
 use super::sealed_request::{SEALED_REQUEST, SealedRequest};
 use super::series_chunks::{RecordedChunks, completion, insertion_of_chunks, no_metrics};
 use super::series_reader::StoredHead;
-use super::signal::Signal;
+use super::signal::{Signal, WITH_SIGNALS};
 use super::spectrum_codec::{decoded, encoded};
 use super::statement::{Statement, statement};
-use crate::contract::{JobKind, Outcome, SeriesHead, Simulated, SpectrumAnswer, SpectrumKind};
+use crate::contract::{JobKind, MachineOutcome, Outcome, SeriesHead, Simulated, SpectrumAnswer, SpectrumKind};
 use crate::jobs::error::JobError;
 use crate::jobs::job::Status;
 
@@ -33,6 +33,12 @@ pub enum StoredResult {
         chunks: RecordedChunks,
         views: Option<Sealed<Vec<u8>>>,
     },
+    /// Metrics, and signals by channel.
+    Machine {
+        result: Uuid,
+        metrics: Sealed<String>,
+        signals: Signals,
+    },
     Report(Uuid, Sealed<Vec<u8>>),
 }
 
@@ -44,6 +50,7 @@ impl StoredResult {
             Outcome::Accuracy(answer) => Self::of_report(chunks.result, answer),
             Outcome::Optimum(answer) => Self::of_report(chunks.result, answer),
             Outcome::Rotor(answer) => Self::of_report(chunks.result, answer),
+            Outcome::Machine(outcome) => Self::of_machine(chunks.result, outcome),
         }
     }
 
@@ -51,7 +58,7 @@ impl StoredResult {
     pub fn id(&self) -> Uuid {
         match self {
             Self::Simulation { chunks, .. } => chunks.result,
-            Self::Report(result, _) => *result,
+            Self::Machine { result, .. } | Self::Report(result, _) => *result,
         }
     }
 
@@ -59,12 +66,14 @@ impl StoredResult {
         Ok(Self::Report(result, sealed(&Place::of_result(result, REPORT), answer)?))
     }
 
+    fn of_machine(result: Uuid, outcome: &MachineOutcome) -> Result<Self, JobError> {
+        let metrics = sealed_metrics(result, &outcome.answer)?;
+        Ok(Self::Machine { result, metrics, signals: spectra_of(result, &outcome.spectra)? })
+    }
+
     fn of_simulation(outcome: &Simulated, chunks: RecordedChunks) -> Result<Self, JobError> {
         let result = chunks.result;
-        let json = || {
-            let text = serde_json::to_string(&outcome.metrics).map_err(|error| JobError::Corrupt(error.to_string()));
-            text.map(|text| Sealed::new(&Place::of_result(result, METRICS), text))
-        };
+        let json = || sealed_metrics(result, &outcome.metrics);
         let seal = |views| sealed(&Place::of_result(result, VIEWS), views);
         let views = || Some(&outcome.views).filter(|views| !views.is_empty()).map(seal).transpose();
         // Half of the work on another core: for a short run it takes nearly as long as the run.
@@ -80,6 +89,11 @@ impl StoredResult {
 
 /// Signals by kind and channel.
 type Signals = Vec<(Signal, String, Sealed<Vec<u8>>)>;
+
+fn sealed_metrics(result: Uuid, answer: &impl Serialize) -> Result<Sealed<String>, JobError> {
+    let text = serde_json::to_string(answer).map_err(|error| JobError::Corrupt(error.to_string()))?;
+    Ok(Sealed::new(&Place::of_result(result, METRICS), text))
+}
 
 fn sealed(place: &Place, answer: &impl Serialize) -> Result<Sealed<Vec<u8>>, JobError> {
     Ok(Sealed::new(place, compressed(answer)?))
@@ -123,6 +137,9 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
         insert(&format!("{table} (result_id, answer, digest)")).bind(&answer.content).bind(answer.digest.as_deref())
     };
     match result {
+        StoredResult::Machine { metrics, signals, .. } => {
+            vec![of_metrics(metrics), insertion_of_signals(id, signals, provided)]
+        }
         StoredResult::Report(_, answer) => vec![of_metrics(&no_metrics(id)), of_answer("reports", answer)],
         StoredResult::Simulation { metrics, signals, chunks, views } => {
             let mut statements = vec![of_metrics(metrics)];
@@ -186,9 +203,9 @@ pub(super) async fn remove_orphans(tx: &mut Tx, results: &[Uuid]) -> Result<(), 
 }
 
 impl Store {
-    /// The metrics of a succeeded job, as JSON text.
-    pub async fn metrics(&self, owner: &str, job: Uuid) -> Result<String, JobError> {
-        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+    /// The metrics of a succeeded simulation or machine job, as JSON text.
+    pub async fn metrics(&self, owner: &str, job: Uuid, kind: JobKind) -> Result<String, JobError> {
+        let result = self.result_of(owner, job, kind).await?;
         let sql = "SELECT metrics, digest FROM results WHERE id = $1";
         let read = async {
             one_part(statement(sql).bind(result).optional(&self.readers).await?)?
@@ -205,7 +222,7 @@ impl Store {
         kind: SpectrumKind,
         channel: &str,
     ) -> Result<SpectrumAnswer, JobError> {
-        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+        let result = self.result_among(owner, job, &WITH_SIGNALS).await?;
         self.signal(job, result, kind.into(), channel, decoded).await
     }
 
@@ -263,7 +280,7 @@ impl Store {
 
     /// Channels for which a job keeps a signal of this kind.
     pub async fn channels(&self, owner: &str, job: Uuid, signal: Signal) -> Result<Vec<String>, JobError> {
-        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+        let result = self.result_among(owner, job, &WITH_SIGNALS).await?;
         self.kept(result, signal).await
     }
 
@@ -285,6 +302,11 @@ impl Store {
 
     /// The result of a job of the wanted kind; jobs of other kinds never have such a result.
     pub(super) async fn result_of(&self, owner: &str, job: Uuid, wanted: JobKind) -> Result<Uuid, JobError> {
+        self.result_among(owner, job, &[wanted]).await
+    }
+
+    /// The result of a job of one of the wanted kinds.
+    pub(super) async fn result_among(&self, owner: &str, job: Uuid, wanted: &[JobKind]) -> Result<Uuid, JobError> {
         let sql = format!("SELECT status, result_id, kind, {SEALED_REQUEST} FROM jobs WHERE id = $1 AND owner = $2");
         #[derive(FromRow)]
         struct Row {
@@ -304,8 +326,8 @@ impl Store {
     }
 }
 
-fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: JobKind) -> Result<Uuid, JobError> {
-    if kind != wanted.name() {
+fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: &[JobKind]) -> Result<Uuid, JobError> {
+    if !wanted.iter().any(|wanted| kind == wanted.name()) {
         return Err(JobError::OtherKind { kind });
     }
     match (result, Status::parse(&status)) {

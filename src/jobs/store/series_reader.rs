@@ -11,9 +11,9 @@ use super::compression::decompressed;
 use super::database::Store;
 use super::digest::{Place, Sealed};
 use super::part_names::signal_name;
-use super::signal::Signal;
+use super::signal::{Signal, WITH_SIGNALS};
 use super::statement::statement;
-use crate::contract::{JobKind, SeriesAnswer, SeriesHead};
+use crate::contract::{SeriesAnswer, SeriesHead};
 use crate::jobs::error::JobError;
 
 /// What is stored of a series beside its chunks.
@@ -192,7 +192,7 @@ pub(super) fn head_of(content: &[u8]) -> Result<Option<StoredHead>, JobError> {
 impl Store {
     /// A series of a succeeded job.
     pub async fn series(&self, owner: &str, job: Uuid, channel: &str) -> Result<StoredSeries, JobError> {
-        let result = self.result_of(owner, job, JobKind::Simulation).await?;
+        let result = self.result_among(owner, job, &WITH_SIGNALS).await?;
         let open = |content: &[u8]| stored(&decompressed(content)?);
         Ok(match self.signal(job, result, Signal::Series, channel, open).await? {
             Stored::Head(head) => StoredSeries {

@@ -1,6 +1,9 @@
 //! Kinds of stored signals.
 
-use crate::contract::SpectrumKind;
+use crate::contract::{JobKind, SpectrumKind};
+
+/// Kinds of jobs that keep signals.
+pub(super) const WITH_SIGNALS: [JobKind; 2] = [JobKind::Simulation, JobKind::Machine];
 
 /// Kind of a stored signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

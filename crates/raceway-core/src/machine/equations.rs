@@ -1,12 +1,10 @@
 //! The equations of motion of a machine: each bearing at the motion of its inner ring, the shaft under their loads.
 
+use super::bearing::{BearingOnShaft, bearings};
 use super::frame::Frame;
 use super::input::{Machine, MachineError};
-use super::start::bearings;
 use crate::numerics::ode::OdeSystem;
 use crate::physics::operation::SpeedProfile;
-use crate::physics::statics::shaft::Mounted;
-use crate::simulation::model::dynamics::Full;
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::dynamics::on_ring::RingLoad;
 use crate::simulation::model::state::SpindleState;
@@ -18,39 +16,6 @@ pub struct MachineDynamics {
     pub frame: Frame,
     pub bearings: Vec<BearingOnShaft>,
     pub speed: SpeedProfile,
-}
-
-/// A bearing on the shaft.
-#[derive(Debug, Clone)]
-pub struct BearingOnShaft {
-    pub dynamics: Full,
-    /// Its facing, and the place of its outer ring.
-    pub mounted: Mounted,
-}
-
-impl BearingOnShaft {
-    /// Number of entries of balls and cage.
-    pub fn entries(&self) -> usize {
-        let layout = self.dynamics.mechanism().layout;
-        layout.dimension() - 2 * layout.freedoms().len()
-    }
-
-    /// Motion of the inner ring in the bearing's own axes, by displacements and velocities of the shaft at its place.
-    pub(crate) fn ring(&self, place: &[f64; 5], velocity: &[f64; 5]) -> SpindleState {
-        let [x, y, z, about_y, about_z] = self.mounted.ring_pose(place, 0.0);
-        let [vx, vy, vz, rate_y, rate_z] = self.mounted.wrench_on_shaft(velocity);
-        SpindleState {
-            position: [x, y, z],
-            velocity: [vx, vy, vz],
-            tilt: [about_y, about_z],
-            tilt_rate: [rate_y, rate_z],
-        }
-    }
-
-    /// Forces and moments on the shaft.
-    pub(crate) fn on_shaft(&self, load: &RingLoad) -> [f64; 5] {
-        self.mounted.wrench_on_shaft(&load.wrench())
-    }
 }
 
 /// Loads of all bearings at one time.

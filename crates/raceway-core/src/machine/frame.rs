@@ -166,6 +166,11 @@ impl Rows {
         std::array::from_fn(|row| dot(&self.0[row], coordinates))
     }
 
+    /// One displacement, or velocity, of the place.
+    pub fn row_of(&self, row: usize, coordinates: &[f64]) -> f64 {
+        dot(&self.0[row], coordinates)
+    }
+
     /// Adds the forces on the coordinates of forces at the place.
     pub fn add_forces(&self, wrench: &[f64; PORT], forces: &mut [f64]) {
         for (row, value) in self.0.iter().zip(wrench) {

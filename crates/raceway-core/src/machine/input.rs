@@ -20,6 +20,8 @@ pub struct Machine {
 /// What moves in a bearing.
 #[derive(Debug, Clone)]
 pub struct MachineBearing {
+    /// Name in channels and labels.
+    pub name: String,
     /// The bearing alone. Its spindle and its loads do not count: the shaft replaces them.
     pub scene: Scene,
     /// Azimuth at which its first ball starts [rad].
@@ -38,8 +40,9 @@ pub struct Sensor {
 /// Accuracy and times of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachineSettings {
-    /// Time before the record [s].
-    pub settle: f64,
+    /// Time before the record [s]; `None`: until the slowest motion of the linear analysis has decayed to a fiftieth, and three turns of the
+    /// slowest cage.
+    pub settle: Option<f64>,
     /// Recorded time [s].
     pub duration: f64,
     /// Step [s]; `None`: the longest of the bearings.

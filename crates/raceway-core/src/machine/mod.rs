@@ -3,14 +3,20 @@
 //! A bearing knows the motion of its inner ring and returns its load; it knows no shaft. The shaft knows forces at ports. Knows no JSON and
 //! no thread.
 
+pub mod channel;
 pub mod input;
+pub mod result;
+pub mod run;
 
+pub mod bearing;
 pub mod equations;
 pub mod frame;
 pub mod start;
 
+pub(crate) mod propagator;
+pub(crate) mod stepping;
+
+pub mod recording;
+
 #[cfg(test)]
 mod tests;
-
-pub mod propagator;
-pub mod stepping;

@@ -1,44 +1,12 @@
-//! The bearings of a machine about its operating point, and the state that a run starts from.
+//! The state that a run starts from.
 
 use nalgebra::{Complex, DVector};
 
-use super::equations::{BearingOnShaft, MachineDynamics};
-use super::frame::Frame;
+use super::equations::MachineDynamics;
 use super::input::{Machine, MachineError};
-use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
 use crate::rotor::unbalance::response;
-use crate::simulation::input::model_level::ModelLevel;
-use crate::simulation::input::settings::Outputs;
-use crate::simulation::model::Mechanism;
-use crate::simulation::model::dynamics::Full;
 use crate::simulation::model::equilibrium::on_ring;
-use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::state::{BallState, SpindleState};
-use crate::simulation::model::surfaces::with_surfaces;
-use crate::simulation::model::terms::ActiveTerms;
-
-/// Balls and cage of each bearing, with the terms that its load about the operating point needs.
-pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOnShaft>, MachineError> {
-    let mut bearings = Vec::with_capacity(machine.bearings.len());
-    for (index, (moving, placed)) in machine.bearings.iter().zip(&machine.rotor.bearings).enumerate() {
-        let [x, y, z, _, _] = frame.system.operating[0].rings[index].wrench;
-        let mut scene = moving.scene.clone();
-        scene.operation.speed = machine.speed.clone();
-        // The shaft presses with the opposite of what the balls exert.
-        scene.operation.load = [-x, -y, -z];
-        scene.operation.misalignment = [0.0; 2];
-        scene.gravity = machine.rotor.gravity;
-        scene.spindle.axial = AxialHold::Free;
-        scene.spindle.tilt = SpindleTilt::Free(SpindleInertia { transverse: 1.0, axial: 1.0 });
-        let failed = |source: SimulationError| MachineError::Bearing { bearing: index, source };
-        let terms = ActiveTerms::of(&scene, &Outputs::vibration(), Some(ModelLevel::Full))
-            .map_err(|choice| failed(choice.into()))?;
-        let mut mechanism = with_surfaces(Mechanism::new(&scene, &terms), &scene);
-        mechanism.start = mechanism.start.turned(moving.start_azimuth);
-        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted: placed.mounted.clone() });
-    }
-    Ok(bearings)
-}
 
 /// The shaft at its operating point, moving as its unbalance and linear bearings make it; balls in equilibrium at the place of their ring, in
 /// ideal rolling.

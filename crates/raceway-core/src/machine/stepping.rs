@@ -228,17 +228,6 @@ impl<'m> MachineStepper<'m> {
     pub(crate) fn wrench(&self, bearing: usize) -> &[f64] {
         &self.past[0].ports[PORT * bearing..PORT * (bearing + 1)]
     }
-
-    /// The state at the end of the last step.
-    pub(crate) fn state(&self) -> Vec<f64> {
-        let mut state = Vec::new();
-        for (stepper, bearing) in self.bearings.iter().zip(&self.dynamics.bearings) {
-            state.extend_from_slice(&stepper.state()[..bearing.entries()]);
-        }
-        state.extend_from_slice(&self.place);
-        state.extend_from_slice(&self.velocity);
-        state
-    }
 }
 
 /// All forces over the coordinates.

@@ -4,8 +4,10 @@ use std::f64::consts::PI;
 
 use nalgebra::DMatrix;
 
+use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineBearing, RANGE};
+use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
+use super::run::simulate;
 use super::start::start_state;
 use super::stepping::MachineStepper;
 use crate::numerics::ode::Method;
@@ -26,7 +28,8 @@ use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
 use crate::rotor::analysis::analyse;
 use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
-use crate::simulation::input::channel::BallContact;
+use crate::simulation::input::channel::{Axis, BallContact};
+use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
 use crate::simulation::input::settings::Outputs;
@@ -66,7 +69,9 @@ fn motor_spindle() -> Machine {
             gravity: 9.81,
             load: [0.0, 100.0, 0.0],
         },
-        bearings: [0.0, 2.4].map(|start_azimuth| MachineBearing { scene: scene.clone(), start_azimuth }).to_vec(),
+        bearings: [("A", 0.0), ("B", 2.4)]
+            .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
+            .to_vec(),
         speed: SpeedProfile::constant(6000.0 * RPM).unwrap(),
         sensors: Vec::new(),
     }
@@ -343,4 +348,43 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
     }
     let values = jacobian.complex_eigenvalues();
     values.iter().filter(|value| value.im > 1.0).map(|value| value.im / (2.0 * PI)).collect()
+}
+
+/// A run records every signal. At a constant speed the motion at the disc is the linear response to unbalance.
+#[test]
+fn a_run_shows_the_response_to_unbalance() {
+    let mut machine = motor_spindle();
+    machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
+    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE };
+    let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
+    let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4 };
+    let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
+    let place = linear.stations.iter().find(|station| (station.at - 0.15).abs() < 1e-9).unwrap();
+    let amplitude = 1e6 * place.displacement[0][0].norm();
+    let of = |name: &str| {
+        let channel = MachineChannel::parse(name, &machine).unwrap();
+        result.channels.iter().find(|(of, _)| *of == channel).map(|(_, metrics)| metrics.clone()).unwrap()
+    };
+    let seen = 2.0_f64.sqrt() * of("sensor.probe.displacement").rms;
+    assert!((seen / amplitude - 1.0).abs() < 0.01, "{seen} µm, linear {amplitude} µm");
+    let line = result.spectra.last().unwrap().lines.first().unwrap();
+    assert!(line.label == "f_r" && (line.frequency - 100.0).abs() < 0.1, "{line:?}");
+    // Each bearing carries half of weight and load.
+    let carried = 0.5 * (100.0 + 9.81 * machine.rotor.shaft.mass());
+    assert!((of("A.force.y").mean / carried - 1.0).abs() < 1e-3, "{} N", of("A.force.y").mean);
+    assert_eq!(result.accuracy.step, 5.5e-6);
+    let worst = result.accuracy.errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
+    assert!(worst <= 0.1, "{:?}", result.accuracy);
+}
+
+/// Damping that turns along drives the whirl above its threshold speed: the run ends and names the cause.
+#[test]
+fn whirl_that_its_damping_drives_ends_with_the_cause() {
+    let mut machine = motor_spindle();
+    (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
+    machine.rotor.speed = 60_000.0 * RPM;
+    machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
+    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE };
+    let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
+    assert!(error.contains("rotating_share"), "{error}");
 }

@@ -107,6 +107,11 @@ impl Twice {
     }
 }
 
+/// Deviation of the level of a signal that was recorded twice [dB]; `None` if both are silent.
+pub(crate) fn level_of_both(first: &[f64], again: &[f64]) -> Option<f64> {
+    Twice::of_values(first, again, 0.0).error_db(0.0)
+}
+
 /// The compared accelerations: all that are not faint.
 pub(crate) fn judged(recording: &Recording) -> Vec<Channel> {
     let level = |channel: &Channel| recording.of(*channel).map_or(0.0, |signal| signal.in_band().moments.rms());

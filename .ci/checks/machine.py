@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Machine jobs over HTTP: a shaft on two bearings in time against the linear analysis of the same scene, a spall seen by a sensor, refusals by
+pointer. With a URL as argument the requests go there."""
+
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+from cases import result, run_cases, verdict  # noqa: E402
+
+SPALL = {"outer": {"defects": [{"azimuth_deg": 0, "length_mm": 1, "width_mm": 2, "depth_um": 3}]}}
+
+
+def scene(first=None, **changes):
+    """A bar with a disc in the middle on two preloaded bearings, changed; `first`: more fields of the first bearing."""
+    bearings = [{"name": name, "bearing": "6205", "at_mm": at, "faces": faces} for name, at, faces in (("A", 40, "+x"), ("B", 260, "-x"))]
+    bearings[0] |= first or {}
+    return {
+        "shaft": {"sections": [{"length_mm": 300, "outer_diameter_mm": 25}],
+                  "discs": [{"at_mm": 150, "mass_kg": 1.2, "transverse_inertia_kg_m2": 8e-4, "axial_inertia_kg_m2": 1.5e-3}],
+                  "unbalances": [{"at_mm": 150, "unbalance_g_mm": 20}]},
+        "bearings": bearings,
+        "preloads": [{"between": ["A", "B"], "force_n": 200}],
+        "sensors": [{"name": "probe", "at_mm": 200, "direction": "y"}],
+        "operation": {"speed_rpm": 12000, "radial_load_y_n": 100}} | changes
+
+
+def job(duration=0.05, settle=0.05, **fields):
+    return {"kind": "machine", "scene": scene(), "duration_s": duration, "settle_s": settle} | fields
+
+
+def case_agrees_with_the_linear_analysis(running):
+    run = result(running, job(duration=0.1, settle=0.4), "machine")
+    status, _, linear = running.request("POST", "/v1/rotor", {"kind": "rotor", "scene": scene(), "speeds_rpm": [12000]})
+    if status != 200:
+        return verdict(False, f"the rotor analysis takes the scene of a machine: {status} {linear}")
+    force, rest = run["channels"]["A.force.y"]["mean"], linear["supports"][0]["static_force_n"][1]
+    verdict(abs(force / rest - 1) < 1e-3, f"mean force of the shaft on A: {force:.3f} N, static {rest:.3f} N")
+    seen = run["channels"]["A.y.displacement"]["rms"] * 2**0.5
+    foretold = next(place for place in linear["response"] if abs(place["at_mm"] - 40) < 1e-6)["y_um"][0]
+    verdict(abs(seen / foretold - 1) < 0.02, f"amplitude at A by unbalance: {seen:.5f} µm, linear {foretold:.5f} µm")
+    found = [mode["frequency_hz"] for mode in run["natural_frequencies"]][:4]
+    known = [mode["frequency_hz"] for mode in linear["operating"]["modes"]][:4]
+    verdict(all(abs(one / other - 1) < 1e-4 for one, other in zip(found, known)), f"natural frequencies {found} and {known} Hz")
+    errors = run["accuracy"]["level_errors_db"]
+    verdict(errors and max(errors.values()) <= 0.1, f"errors of the levels {errors} dB")
+    return None
+
+
+def case_spall_at_a_sensor(running):
+    body = job(duration=0.1, scene=scene(first={"surfaces": SPALL}))
+    run = result(running, body, "machine")
+    labels = [line["label"] for line in run["lines"] if line["channel"] == "sensor.probe.acceleration"]
+    verdict(sum(label.endswith("BPFO@A") for label in labels) >= 5, f"lines at the sensor: {labels[:8]}")
+    path, _ = running.submit(body)
+    ended = running.ended(path)
+    verdict(ended["reused"], "an identical machine job is answered by its result")
+    channels = running.request("GET", f"{path}/channels")[2]
+    verdict("sensor.probe.acceleration" in channels["envelopes"], f"channels {channels['spectra']}")
+    spectrum = running.request("GET", f"{path}/spectrum?channel=A.y.acceleration")[2]
+    verdict(spectrum["unit"] == "m/s²" and max(spectrum["amplitude"]) > 0.1, "the spectrum of a bearing")
+    status, _, drawing = running.request("GET", f"{path}/plots/spectrum.svg")
+    drawing = drawing.decode() if isinstance(drawing, bytes) else str(drawing)
+    verdict(status == 200 and "BPFO@A" in drawing and "sensor.probe.acceleration" in drawing, "the spectrum is drawn with labels")
+    status, _, answer = running.request("GET", f"{path}/metrics")
+    verdict(status in (404, 409), f"a machine job has no metrics of a simulation: {status} {answer.get('detail')}")
+
+
+def case_refusals(running):
+    def pointers(**fields):
+        status, _, answer = running.request("POST", "/v1/jobs", job(**fields))
+        return {error["pointer"] for error in answer.get("errors", [])} if status == 422 else {f"status {status}"}
+
+    cases = {
+        "without bearings": ({"scene": {key: value for key, value in scene().items() if key not in ("bearings", "preloads")}}, "/scene/bearings"),
+        "with a sensor beside the shaft": ({"scene": scene(sensors=[{"name": "s", "at_mm": 400, "direction": "y"}])}, "/scene/sensors/0/at_mm"),
+        "with a sensor along a held axis": ({"scene": scene(sensors=[{"name": "s", "at_mm": 40, "direction": "x"}])}, "/scene/sensors/0/direction"),
+        "with a start azimuth of 400°": ({"scene": scene(first={"start_azimuth_deg": 400})}, "/scene/bearings/0/start_azimuth_deg"),
+        "with a step of 50 µs": ({"step_us": 50}, "/step_us"),
+        "of 60 s": ({"duration": 60}, "/duration_s"),
+        "with a housing": ({"scene": scene(housing={})}, "/scene/housing"),
+    }
+    for name, (fields, pointer) in cases.items():
+        found = pointers(**fields)
+        verdict(found == {pointer}, f"a machine {name} is refused at {found}")
+
+
+def case_growing_whirl(running):
+    shaft = scene()["shaft"] | {"damping_ratio": 0.05, "rotating_share": 1}
+    body = job(scene=scene(shaft=shaft, operation={"speed_rpm": 60000}), duration=0.5)
+    path, _ = running.submit(body)
+    ended = running.ended(path, at_most=120)
+    detail = (ended.get("error") or {}).get("detail", "")
+    verdict(ended["status"] == "failed" and "rotating_share" in detail, f"whirl that damping drives: {ended['status']}, {detail}")
+
+
+if __name__ == "__main__":
+    run_cases(globals())

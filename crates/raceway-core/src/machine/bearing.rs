@@ -1,0 +1,71 @@
+//! A bearing on the shaft: its dynamics, seen from the shaft's axes.
+
+use super::frame::Frame;
+use super::input::{Machine, MachineError};
+use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
+use crate::physics::statics::shaft::Mounted;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::Mechanism;
+use crate::simulation::model::dynamics::Full;
+use crate::simulation::model::dynamics::on_ring::RingLoad;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::state::SpindleState;
+use crate::simulation::model::surfaces::with_surfaces;
+use crate::simulation::model::terms::ActiveTerms;
+
+/// A bearing on the shaft.
+#[derive(Debug, Clone)]
+pub struct BearingOnShaft {
+    pub dynamics: Full,
+    /// Its facing, and the place of its outer ring.
+    pub mounted: Mounted,
+}
+
+impl BearingOnShaft {
+    /// Number of entries of balls and cage.
+    pub fn entries(&self) -> usize {
+        let layout = self.dynamics.mechanism().layout;
+        layout.dimension() - 2 * layout.freedoms().len()
+    }
+
+    /// Motion of the inner ring in the bearing's own axes, by displacements and velocities of the shaft at its place.
+    pub(crate) fn ring(&self, place: &[f64; 5], velocity: &[f64; 5]) -> SpindleState {
+        let [x, y, z, about_y, about_z] = self.mounted.ring_pose(place, 0.0);
+        let [vx, vy, vz, rate_y, rate_z] = self.mounted.wrench_on_shaft(velocity);
+        SpindleState {
+            position: [x, y, z],
+            velocity: [vx, vy, vz],
+            tilt: [about_y, about_z],
+            tilt_rate: [rate_y, rate_z],
+        }
+    }
+
+    /// Forces and moments on the shaft.
+    pub(crate) fn on_shaft(&self, load: &RingLoad) -> [f64; 5] {
+        self.mounted.wrench_on_shaft(&load.wrench())
+    }
+}
+
+/// Balls and cage of each bearing, with the terms that its load about the operating point needs.
+pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOnShaft>, MachineError> {
+    let mut bearings = Vec::with_capacity(machine.bearings.len());
+    for (index, (moving, placed)) in machine.bearings.iter().zip(&machine.rotor.bearings).enumerate() {
+        let [x, y, z, _, _] = frame.system.operating[0].rings[index].wrench;
+        let mut scene = moving.scene.clone();
+        scene.operation.speed = machine.speed.clone();
+        // The shaft presses with the opposite of what the balls exert.
+        scene.operation.load = [-x, -y, -z];
+        scene.operation.misalignment = [0.0; 2];
+        scene.gravity = machine.rotor.gravity;
+        scene.spindle.axial = AxialHold::Free;
+        scene.spindle.tilt = SpindleTilt::Free(SpindleInertia { transverse: 1.0, axial: 1.0 });
+        let failed = |source: SimulationError| MachineError::Bearing { bearing: index, source };
+        let terms = ActiveTerms::of(&scene, &Outputs::vibration(), Some(ModelLevel::Full))
+            .map_err(|choice| failed(choice.into()))?;
+        let mut mechanism = with_surfaces(Mechanism::new(&scene, &terms), &scene);
+        mechanism.start = mechanism.start.turned(moving.start_azimuth);
+        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted: placed.mounted.clone() });
+    }
+    Ok(bearings)
+}

@@ -1,0 +1,113 @@
+//! Signals of a machine, by name.
+
+use std::f64::consts::TAU;
+use std::fmt;
+
+use super::input::Machine;
+use crate::simulation::input::channel::{Axis, Motion};
+
+/// A signal. Bearings and sensors count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MachineChannel {
+    /// Of the inner ring of a bearing, along the shaft's axes.
+    Ring(usize, Axis, Motion),
+    /// Tilt of the inner ring about Y or the new Z.
+    Tilt(usize, Axis),
+    /// Force of the shaft on a bearing.
+    Force(usize, Axis),
+    /// Moment of the shaft on a bearing.
+    Moment(usize, Axis),
+    CageSpeed(usize),
+    Sensor(usize, Motion),
+}
+
+impl MachineChannel {
+    /// All signals of a machine.
+    pub fn all(machine: &Machine) -> Vec<Self> {
+        const RADIAL: [Axis; 2] = [Axis::Y, Axis::Z];
+        let along: &[Axis] = if machine.rotor.shaft.is_axially_free { &[Axis::X, Axis::Y, Axis::Z] } else { &RADIAL };
+        let motions = [Motion::Displacement, Motion::Acceleration];
+        let mut channels = Vec::new();
+        for bearing in 0..machine.bearings.len() {
+            let moved = along.iter().flat_map(|axis| motions.map(|motion| Self::Ring(bearing, *axis, motion)));
+            channels.extend(moved.chain(RADIAL.map(|axis| Self::Tilt(bearing, axis))));
+            channels.extend(along.iter().map(|axis| Self::Force(bearing, *axis)));
+            channels.extend(RADIAL.map(|axis| Self::Moment(bearing, axis)));
+            channels.push(Self::CageSpeed(bearing));
+        }
+        let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
+        channels
+            .extend((0..machine.sensors.len()).flat_map(|sensor| motions.map(|motion| Self::Sensor(sensor, motion))));
+        channels
+    }
+
+    /// The signal of that name, or `None`.
+    pub fn parse(name: &str, machine: &Machine) -> Option<Self> {
+        Self::all(machine).into_iter().find(|channel| channel.named(machine).to_string() == name)
+    }
+
+    /// The name, such as `A.y.acceleration`.
+    pub fn named<'a>(&self, machine: &'a Machine) -> Named<'a> {
+        Named { channel: *self, machine }
+    }
+
+    pub fn is_acceleration(&self) -> bool {
+        matches!(self, Self::Ring(_, _, Motion::Acceleration) | Self::Sensor(_, Motion::Acceleration))
+    }
+
+    /// The unit in which results show this signal.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Ring(_, _, motion) | Self::Sensor(_, motion) => match motion {
+                Motion::Displacement => "µm",
+                Motion::Velocity => "mm/s",
+                Motion::Acceleration => "m/s²",
+            },
+            Self::Tilt(..) => "mrad",
+            Self::Force(..) => "N",
+            Self::Moment(..) => "N m",
+            Self::CageSpeed(_) => "Hz",
+        }
+    }
+
+    /// Factor from SI (speed: rad/s) to `unit()`.
+    pub fn scale(&self) -> f64 {
+        match self {
+            Self::Ring(_, _, motion) | Self::Sensor(_, motion) => match motion {
+                Motion::Displacement => 1e6,
+                Motion::Velocity => 1e3,
+                Motion::Acceleration => 1.0,
+            },
+            Self::Tilt(..) => 1e3,
+            Self::Force(..) | Self::Moment(..) => 1.0,
+            Self::CageSpeed(_) => 1.0 / TAU,
+        }
+    }
+}
+
+/// A signal with the names of its bearing or sensor.
+pub struct Named<'a> {
+    channel: MachineChannel,
+    machine: &'a Machine,
+}
+
+impl fmt::Display for Named<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bearing = |index: usize| &self.machine.bearings[index].name;
+        let motion = |motion: Motion| match motion {
+            Motion::Displacement => "displacement",
+            Motion::Velocity => "velocity",
+            Motion::Acceleration => "acceleration",
+        };
+        match self.channel {
+            MachineChannel::Ring(index, axis, of) => write!(f, "{}.{axis}.{}", bearing(index), motion(of)),
+            MachineChannel::Tilt(index, axis) => write!(f, "{}.tilt.{axis}", bearing(index)),
+            MachineChannel::Force(index, axis) => write!(f, "{}.force.{axis}", bearing(index)),
+            MachineChannel::Moment(index, axis) => write!(f, "{}.moment.{axis}", bearing(index)),
+            MachineChannel::CageSpeed(index) => write!(f, "{}.cage.speed", bearing(index)),
+            MachineChannel::Sensor(index, of) => {
+                write!(f, "sensor.{}.{}", self.machine.sensors[index].name, motion(of))
+            }
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The record of a run: every signal at the sampling rate, and the extremes of each bearing.
+
+use super::channel::MachineChannel;
+use super::equations::MachineDynamics;
+use super::input::Machine;
+use super::stepping::MachineStepper;
+use crate::numerics::decimation::Decimator;
+use crate::numerics::interpolation::Course;
+use crate::physics::frames::length;
+use crate::simulation::input::channel::{Axis, Motion};
+use crate::simulation::model::step_loads::PackedStepLoads;
+use crate::simulation::recording::sampling::{RATE, kept_values};
+
+/// Steps per sample from which samples resolve all motion that the steps leave.
+const STEPS_PER_SAMPLE: f64 = 1.0 / 0.75;
+/// Most samples per recorded value [-], which resolve fast motion.
+const OVERSAMPLING: usize = 4;
+
+/// The signals of a run [SI], and what each bearing did.
+#[derive(Debug, Clone)]
+pub struct MachineRecording {
+    /// Time of the first value [s]; the others follow at the sampling rate.
+    pub start: f64,
+    pub signals: Vec<(MachineChannel, Vec<f64>)>,
+    pub bearings: Vec<BearingRecord>,
+}
+
+/// Extremes and means of a bearing over the recorded time [SI].
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BearingRecord {
+    /// Largest load of a ball on the inner and on the outer raceway, and of a pocket [N].
+    pub inner_load: f64,
+    pub outer_load: f64,
+    pub pocket_load: f64,
+    /// Largest slip of a loaded contact [m/s].
+    pub slip: f64,
+    /// Mean speed of the cage, and mean spin of a ball in the orbit frame [rad/s].
+    pub cage_speed: f64,
+    pub ball_spin: f64,
+    /// Steps that the means count.
+    steps: f64,
+}
+
+/// Recorder of a run.
+pub(crate) struct Recorder<'m> {
+    dynamics: &'m MachineDynamics,
+    channels: Vec<MachineChannel>,
+    sensors: Vec<Axis>,
+    start: f64,
+    values: usize,
+    /// Samples per value, samples before the first value, and samples so far.
+    oversampling: usize,
+    lead: usize,
+    samples: usize,
+    decimator: Decimator,
+    course: Course,
+    frame: Vec<f64>,
+    signals: Vec<Vec<f64>>,
+    bearings: Vec<BearingRecord>,
+}
+
+impl<'m> Recorder<'m> {
+    /// Recorder of `duration` after `start` [s] in steps of a length.
+    pub(crate) fn new(machine: &Machine, dynamics: &'m MachineDynamics, start: f64, duration: f64, step: f64) -> Self {
+        let channels = MachineChannel::all(machine);
+        let is_enough = |samples: &usize| STEPS_PER_SAMPLE * step * RATE * *samples as f64 >= 1.0;
+        let oversampling = [1, 2].into_iter().find(is_enough).unwrap_or(OVERSAMPLING);
+        let decimator = Decimator::new(oversampling, channels.len());
+        let lead = if start * RATE * oversampling as f64 >= decimator.delay() as f64 { decimator.delay() } else { 0 };
+        let values = kept_values(duration);
+        Self {
+            sensors: machine.sensors.iter().map(|sensor| sensor.axis).collect(),
+            course: Course::new(channels.len()),
+            frame: vec![0.0; channels.len()],
+            signals: channels.iter().map(|_| Vec::with_capacity(values)).collect(),
+            bearings: vec![BearingRecord::default(); dynamics.bearings.len()],
+            dynamics,
+            channels,
+            start,
+            values,
+            oversampling,
+            lead,
+            samples: 0,
+            decimator,
+        }
+    }
+
+    /// Time of the last sample [s].
+    pub(crate) fn end(&self) -> f64 {
+        // Four steps follow a sample before it is known.
+        self.time_of(self.lead + (self.values - 1) * self.oversampling + self.decimator.delay())
+    }
+
+    fn time_of(&self, sample: usize) -> f64 {
+        (self.start + (sample as f64 - self.lead as f64) / (RATE * self.oversampling as f64)).max(0.0)
+    }
+
+    /// True once every value is recorded.
+    pub(crate) fn is_full(&self) -> bool {
+        self.signals[0].len() >= self.values
+    }
+
+    /// Records the end of a step.
+    pub(crate) fn after(&mut self, stepper: &MachineStepper<'_>) {
+        // Samples begin a few steps ahead, so that the first has neighbours.
+        let before = 16.0 * (stepper.time() - self.course.end().unwrap_or(stepper.time()));
+        if stepper.time() + before.max(1e-4) < self.time_of(0) {
+            return;
+        }
+        self.gather(stepper);
+        let frame = &self.frame;
+        self.course.push(stepper.time(), frame.iter().copied());
+        let Some(known) = self.course.known() else { return };
+        while self.time_of(self.samples) <= known && !self.is_full() {
+            self.course.at(self.time_of(self.samples), self.frame.len(), &mut self.frame);
+            self.keep();
+        }
+        if (self.start..self.end()).contains(&stepper.time()) {
+            self.count(stepper);
+        }
+    }
+
+    /// Passes the frame on as the next sample.
+    fn keep(&mut self) {
+        if self.lead == 0 && self.samples == 0 {
+            self.decimator.prime(&self.frame);
+        }
+        if let Some(frame) = self.decimator.push(&self.frame) {
+            for (signal, value) in self.signals.iter_mut().zip(frame) {
+                signal.push(*value);
+            }
+        }
+        self.samples += 1;
+    }
+
+    fn gather(&mut self, stepper: &MachineStepper<'_>) {
+        let [place, velocity, acceleration] = stepper.coordinates();
+        let dynamics = self.dynamics;
+        let frame = &dynamics.frame;
+        let of = |motion: Motion| match motion {
+            Motion::Displacement => place,
+            Motion::Velocity => velocity,
+            Motion::Acceleration => acceleration,
+        };
+        let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };
+        let speed = dynamics.speed.at(stepper.time()).1;
+        for (value, channel) in self.frame.iter_mut().zip(&self.channels) {
+            *value = match *channel {
+                MachineChannel::Ring(bearing, axis, motion) => frame.ports[bearing].row_of(axis as usize, of(motion)),
+                MachineChannel::Tilt(bearing, axis) => frame.ports[bearing].row_of(tilt(axis), place),
+                MachineChannel::Force(bearing, axis) => -stepper.wrench(bearing)[axis as usize],
+                MachineChannel::Moment(bearing, axis) => -stepper.wrench(bearing)[tilt(axis)],
+                MachineChannel::CageSpeed(bearing) => {
+                    cage_speed(dynamics, bearing, stepper.bearings()[bearing].state(), speed)
+                }
+                MachineChannel::Sensor(sensor, motion) => {
+                    frame.sensors[sensor].row_of(self.sensors[sensor] as usize, of(motion))
+                }
+            };
+        }
+    }
+
+    fn count(&mut self, stepper: &MachineStepper<'_>) {
+        let speed = self.dynamics.speed.at(stepper.time()).1;
+        for (index, (record, of)) in self.bearings.iter_mut().zip(stepper.bearings()).enumerate() {
+            let m = self.dynamics.bearings[index].dynamics.mechanism();
+            let loads = PackedStepLoads(of.step_loads());
+            let mut spin = 0.0;
+            for ball in 0..m.layout.balls {
+                let now = loads.of(ball);
+                record.inner_load = record.inner_load.max(now.load.inner);
+                record.outer_load = record.outer_load.max(now.load.outer);
+                record.pocket_load = record.pocket_load.max(now.pocket);
+                for (load, square) in [(now.load.inner, now.slip_square.inner), (now.load.outer, now.slip_square.outer)]
+                {
+                    if load > 0.0 {
+                        record.slip = record.slip.max(square.sqrt());
+                    }
+                }
+                let state = m.layout.ball(of.state(), ball);
+                let about_x =
+                    (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
+                spin += length([about_x, state.spin[1], state.spin[2]]) / m.layout.balls as f64;
+            }
+            record.steps += 1.0;
+            record.cage_speed +=
+                (cage_speed(self.dynamics, index, of.state(), speed) - record.cage_speed) / record.steps;
+            record.ball_spin += (spin - record.ball_spin) / record.steps;
+        }
+    }
+
+    /// The record.
+    pub(crate) fn finish(self) -> MachineRecording {
+        let signals = self.channels.into_iter().zip(self.signals).collect();
+        MachineRecording { start: self.start, signals, bearings: self.bearings }
+    }
+}
+
+impl MachineRecording {
+    /// The values of a signal [SI]; none of a signal that was not recorded.
+    pub fn of(&self, channel: MachineChannel) -> &[f64] {
+        self.signals.iter().find(|(of, _)| *of == channel).map_or(&[], |(_, values)| values)
+    }
+}
+
+/// Speed of the cage; without a cage, mean orbit speed of the balls [rad/s].
+fn cage_speed(dynamics: &MachineDynamics, bearing: usize, state: &[f64], speed: f64) -> f64 {
+    let m = dynamics.bearings[bearing].dynamics.mechanism();
+    let balls = m.layout.balls;
+    let arc_velocity = match m.layout.cage {
+        true => m.layout.cage(state).arc_velocity,
+        false => (0..balls).map(|ball| m.layout.ball(state, ball).arc_velocity).sum::<f64>() / balls as f64,
+    };
+    m.orbit_ratio * speed + arc_velocity / m.pitch_radius
+}

@@ -1,0 +1,192 @@
+//! The result of a run: metrics of every signal, spectra and lines of the accelerations, bearings, and the error.
+
+use std::f64::consts::TAU;
+
+use super::channel::MachineChannel;
+use super::equations::MachineDynamics;
+use super::input::{Machine, MachineBearing};
+use super::recording::{BearingRecord, MachineRecording};
+use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
+use crate::numerics::statistics::mean;
+use crate::physics::kinematics::{CharacteristicFrequencies, ideal_orbit_ratio, with_cage_speed};
+use crate::simulation::input::settings::ENVELOPE_BAND;
+use crate::simulation::recording::bands::Band;
+use crate::simulation::recording::sampling::{BAND, RATE};
+use crate::simulation::recording::windows::InBand;
+use crate::simulation::result::lines::{Line, LineSources, find_lines};
+use crate::simulation::result::metrics::level_db;
+
+/// The result of a run, in the units of the channels.
+#[derive(Debug, Clone)]
+pub struct MachineResult {
+    pub channels: Vec<(MachineChannel, SignalMetrics)>,
+    /// Spectra of the accelerations and of their envelopes.
+    pub spectra: Vec<SignalSpectra>,
+    pub bearings: Vec<BearingMetrics>,
+    /// Natural frequencies of the linear analysis about the operating point below 20 kHz [Hz], each with its damping ratio.
+    pub natural_frequencies: Vec<(f64, f64)>,
+    /// Number of coordinates of the shaft, and of states of the whole.
+    pub coordinates: usize,
+    pub states: usize,
+    pub settle: f64,
+    pub duration: f64,
+    pub accuracy: Accuracy,
+    /// Growth rate of the linear analysis at the operating speed [1/s]; negative: all motions decay.
+    pub growth_rate: Option<f64>,
+}
+
+/// Metrics of a signal in the band of levels, 0 to 20 kHz, in its unit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SignalMetrics {
+    pub mean: f64,
+    /// About the mean.
+    pub rms: f64,
+    pub peak: f64,
+    pub crest_factor: Option<f64>,
+    pub kurtosis: Option<f64>,
+    /// Of an acceleration [dB re 9.81 mm/s²].
+    pub level_db: Option<f64>,
+    pub bands: Vec<Band>,
+}
+
+/// Spectra of an acceleration with the labelled lines of its amplitude spectrum.
+#[derive(Debug, Clone)]
+pub struct SignalSpectra {
+    pub channel: MachineChannel,
+    pub amplitude: Spectrum,
+    pub envelope: Spectrum,
+    pub lines: Vec<Line>,
+    pub envelope_lines: Vec<Line>,
+}
+
+/// What a bearing did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BearingMetrics {
+    pub record: BearingRecord,
+    /// At the simulated speeds [Hz].
+    pub frequencies: CharacteristicFrequencies,
+    /// 1 − cage speed / speed of ideal rolling without a contact angle [-]; `None` at rest.
+    pub cage_slip: Option<f64>,
+}
+
+/// How far the numbers can be trusted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Accuracy {
+    /// Step [s], and time that was repeated in half steps [s].
+    pub step: f64,
+    pub window: f64,
+    /// Estimated error of the level of each acceleration [dB]; `None` where it is silent.
+    pub errors: Vec<(MachineChannel, Option<f64>)>,
+    /// Evaluations of the bearings, repetitions included.
+    pub evaluations: u64,
+}
+
+impl MachineResult {
+    pub(super) fn of(
+        machine: &Machine,
+        dynamics: &MachineDynamics,
+        recording: MachineRecording,
+        accuracy: Accuracy,
+    ) -> Self {
+        let bearings: Vec<BearingMetrics> = bearings(machine, dynamics, &recording);
+        let channels = recording.signals.iter().map(|(channel, values)| (*channel, metrics(*channel, values)));
+        let accelerations = recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
+        let speed = dynamics.speed.at(0.0).1;
+        let system = &dynamics.frame.system;
+        let natural = system.oscillations(speed).unwrap_or_default().into_iter().map(|oscillation| oscillation.value);
+        Self {
+            channels: channels.collect(),
+            spectra: accelerations.map(|(channel, values)| spectra(*channel, values, machine, &bearings)).collect(),
+            natural_frequencies: natural
+                .map(|value| (value.im / TAU, -value.re / value.norm()))
+                .filter(|(frequency, _)| *frequency < BAND)
+                .collect(),
+            coordinates: dynamics.frame.len(),
+            states: crate::numerics::ode::OdeSystem::dimension(dynamics),
+            settle: recording.start,
+            duration: recording.signals[0].1.len() as f64 / RATE,
+            growth_rate: system.growth_rate(speed).ok(),
+            accuracy,
+            bearings,
+        }
+    }
+}
+
+fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
+    let in_band = InBand::of(values);
+    let (moments, scale) = (in_band.moments, channel.scale());
+    let is_acceleration = channel.is_acceleration();
+    SignalMetrics {
+        mean: scale * mean(values),
+        rms: scale * moments.rms(),
+        peak: scale * moments.peak(),
+        crest_factor: moments.crest_factor(),
+        kurtosis: moments.kurtosis(),
+        level_db: if is_acceleration { level_db(moments.rms()) } else { None },
+        bands: if is_acceleration { in_band.bands.bands() } else { Vec::new() },
+    }
+}
+
+fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRecording) -> Vec<BearingMetrics> {
+    let (_, shaft_speed, _) = dynamics.speed.at(recording.start);
+    let turns = |speed: f64| speed.abs() / TAU;
+    let of = |(bearing, record): (&MachineBearing, &BearingRecord)| {
+        let geometry = &bearing.scene.bearing;
+        let ideal = shaft_speed.abs() * ideal_orbit_ratio(geometry);
+        BearingMetrics {
+            record: *record,
+            frequencies: with_cage_speed(
+                geometry,
+                turns(shaft_speed),
+                turns(record.cage_speed),
+                turns(record.ball_spin),
+            ),
+            cage_slip: (ideal > 0.0).then(|| 1.0 - record.cage_speed.abs() / ideal),
+        }
+    };
+    machine.bearings.iter().zip(&recording.bearings).map(of).collect()
+}
+
+fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings: &[BearingMetrics]) -> SignalSpectra {
+    let scaled: Vec<f64> = values.iter().map(|value| channel.scale() * value).collect();
+    let (amplitude, envelope) = amplitude_and_envelope(&scaled, RATE, ENVELOPE_BAND, EnvelopeKind::Magnitude);
+    let is_constant = machine.speed.is_constant();
+    let lines = |spectrum: &Spectrum| if is_constant { labelled(spectrum, machine, bearings) } else { Vec::new() };
+    SignalSpectra { channel, lines: lines(&amplitude), envelope_lines: lines(&envelope), amplitude, envelope }
+}
+
+/// Lines labelled by the bearing whose combination lies nearest; labels of balls and cages name it, as `BPFO@A`.
+fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics]) -> Vec<Line> {
+    let mut best: Vec<Line> = Vec::new();
+    for (bearing, metrics) in machine.bearings.iter().zip(bearings) {
+        let surfaces = &bearing.scene.surfaces;
+        let sources = LineSources {
+            frequencies: metrics.frequencies,
+            cage_whirl: 0.0,
+            spindle_whirl: 0.0,
+            inner_defect: surfaces.raceway.inner.has_defects(),
+            uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
+            odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
+            unequal_balls: bearing.scene.has_unequal_balls(),
+        };
+        let found = find_lines(spectrum, &sources, BAND).into_iter().map(|line| named(line, &bearing.name));
+        if best.is_empty() {
+            best = found.collect();
+            continue;
+        }
+        for (line, other) in best.iter_mut().zip(found) {
+            let is_nearer = line.label.is_empty() || other.deviation.abs() < line.deviation.abs();
+            if !other.label.is_empty() && is_nearer {
+                *line = other;
+            }
+        }
+    }
+    best
+}
+
+/// The line with the name of its bearing, unless the shaft alone makes it.
+fn named(line: Line, bearing: &str) -> Line {
+    let is_of_bearing = ["BPF", "FTF", "BSF"].iter().any(|source| line.label.contains(source));
+    let label = if is_of_bearing { format!("{}@{bearing}", line.label) } else { line.label };
+    Line { label, ..line }
+}

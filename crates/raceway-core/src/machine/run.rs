@@ -1,0 +1,175 @@
+//! The run of a machine: start, settling, record, and a repetition in half steps that shows the error.
+
+use std::f64::consts::TAU;
+
+use super::channel::MachineChannel;
+use super::equations::MachineDynamics;
+use super::input::{Machine, MachineError, MachineSettings};
+use super::recording::{MachineRecording, Recorder};
+use super::result::{Accuracy, MachineResult};
+use super::start::start_state;
+use super::stepping::MachineStepper;
+use crate::numerics::statistics::rms;
+use crate::simulation::error::comparison::{FAINT, level_of_both};
+use crate::simulation::input::control::Control;
+
+/// First step that is tried [s]: that of a spindle that moves along its axis.
+const STEP: f64 = 5.5e-6;
+/// Shortest step that is tried [s].
+const SHORTEST: f64 = 2.5e-7;
+/// Steps between two looks at the motion and at the caller.
+const STEPS_PER_LOOK: u64 = 64;
+/// Error of a run over its deviation from half steps: both methods are of order 2 [-].
+const ERROR_OVER_DEVIATION: f64 = 4.0 / 3.0;
+/// Decay of free vibration after which it is treated as gone [e-folds], and longest time that is allowed for it [s].
+const SETTLED_EFOLDS: f64 = 4.0;
+const MAX_SETTLE_S: f64 = 5.0;
+/// Turns of the cage in which it settles [-], and the range of the resulting time [s].
+const SETTLE_CAGE_TURNS: f64 = 3.0;
+const CAGE_SETTLE_RANGE_S: [f64; 2] = [0.02, 1.0];
+/// Longest time that is repeated in half steps [s], and largest error of a level that needs no shorter step [dB].
+const REPEATED: f64 = 0.1;
+const ALLOWED_DB: f64 = 0.1;
+/// Growth over which a motion that grows by itself is named as the cause [1/s].
+const GROWS: f64 = 0.0;
+/// Share of the progress that the first run takes.
+const RUN_SHARE: f64 = 0.6;
+
+/// Simulates a machine. The same arguments give the same bits.
+pub fn simulate(
+    machine: &Machine,
+    settings: &MachineSettings,
+    control: &Control<'_>,
+) -> Result<MachineResult, MachineError> {
+    let dynamics = MachineDynamics::new(machine, settings.range)?;
+    let start = start_state(machine, &dynamics)?;
+    let settle = settings.settle.unwrap_or_else(|| settling_time(&dynamics));
+    let run = Run { machine, dynamics: &dynamics, start: &start, settle };
+    let mut step = settings.step.unwrap_or_else(|| first_step(&dynamics));
+    let may_shorten = |step: f64| settings.step.is_none() && 0.5 * step >= SHORTEST;
+    let mut work = 0;
+    let window = settings.duration.min(REPEATED);
+    loop {
+        let recorded =
+            control.part((0.0, RUN_SHARE), |control| run.record(settings.duration, step, control, &mut work));
+        let recording = match recorded {
+            Err(MachineError::Diverged { .. }) if may_shorten(step) && !dynamics.grows() => {
+                step *= 0.5;
+                continue;
+            }
+            recorded => recorded?,
+        };
+        let again = control.part((RUN_SHARE, 1.0), |control| run.record(window, 0.5 * step, control, &mut work))?;
+        let errors: Vec<_> = level_errors(&recording, &again);
+        let worst = errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
+        if worst > ALLOWED_DB && may_shorten(step) {
+            step *= 0.5;
+            continue;
+        }
+        let accuracy = Accuracy { step, window, errors, evaluations: work };
+        return Ok(MachineResult::of(machine, &dynamics, recording, accuracy));
+    }
+}
+
+/// A run from the start.
+struct Run<'a> {
+    machine: &'a Machine,
+    dynamics: &'a MachineDynamics,
+    start: &'a [f64],
+    settle: f64,
+}
+
+impl Run<'_> {
+    /// Records a time after settling, in steps of a length.
+    fn record(
+        &self,
+        duration: f64,
+        step: f64,
+        control: &Control<'_>,
+        work: &mut u64,
+    ) -> Result<MachineRecording, MachineError> {
+        let mut recorder = Recorder::new(self.machine, self.dynamics, self.settle, duration, step);
+        let mut stepper = MachineStepper::new(self.dynamics, 0.0, self.start, step);
+        let (mut steps, end) = (0_u64, recorder.end());
+        while !recorder.is_full() {
+            stepper.advance();
+            recorder.after(&stepper);
+            steps += 1;
+            if steps.is_multiple_of(STEPS_PER_LOOK) {
+                if (control.stop)() {
+                    return Err(MachineError::Stopped(stepper.time()));
+                }
+                (control.progress)((stepper.time() / end).min(1.0));
+                self.check(&stepper)?;
+            }
+        }
+        *work += stepper.evaluations();
+        self.check(&stepper)?;
+        Ok(recorder.finish())
+    }
+
+    /// Refuses a motion that no bearing can hold any more.
+    fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), MachineError> {
+        let [place, velocity, _] = stepper.coordinates();
+        let is_held = |index: usize| {
+            let ring = self.dynamics.ring(index, place, velocity);
+            let moves = ring.position.iter().chain(&ring.tilt).all(|value| value.is_finite());
+            moves && self.dynamics.bearings[index].dynamics.mechanism().departure(ring.position, ring.tilt).is_none()
+        };
+        let touches = stepper.bearings().iter().any(|bearing| bearing.touching().is_some());
+        let cause = if touches {
+            "balls of a bearing without a cage collide, which fixed steps do not resolve"
+        } else if (0..self.dynamics.bearings.len()).all(is_held) {
+            return Ok(());
+        } else if self.dynamics.grows() {
+            "damping that turns with the shaft drives its whirl at this speed (`shaft.rotating_share`)"
+        } else {
+            "no ball of a bearing holds the shaft any more, or the steps are too long"
+        };
+        Err(MachineError::Diverged { time: stepper.time(), cause })
+    }
+}
+
+impl MachineDynamics {
+    /// Whether a motion of the linear analysis grows at the operating speed.
+    pub fn grows(&self) -> bool {
+        let speed = self.speed.at(0.0).1;
+        self.frame.system.growth_rate(speed).is_ok_and(|rate| rate > GROWS)
+    }
+}
+
+/// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times [s]. The run starts near its
+/// stationary motion already.
+fn settling_time(dynamics: &MachineDynamics) -> f64 {
+    let rate = dynamics.frame.system.growth_rate(dynamics.speed.at(0.0).1).unwrap_or_default();
+    let turning = dynamics.bearings.iter().map(|bearing| {
+        let m = bearing.dynamics.mechanism();
+        let turn = m.orbit_ratio * m.speed.largest() / TAU;
+        if turn > 0.0 { SETTLE_CAGE_TURNS / turn } else { 0.0 }
+    });
+    let turning = turning.fold(0.0, f64::max).clamp(CAGE_SETTLE_RANGE_S[0], CAGE_SETTLE_RANGE_S[1]);
+    if rate < 0.0 { (SETTLED_EFOLDS / -rate).clamp(turning, MAX_SETTLE_S) } else { turning }
+}
+
+/// First step that is tried [s]. It resolves the waves and defects of every bearing.
+fn first_step(dynamics: &MachineDynamics) -> f64 {
+    let mechanisms = dynamics.bearings.iter().map(|bearing| bearing.dynamics.mechanism());
+    mechanisms.map(|m| m.longest_wave_step().min(m.defect_step)).fold(STEP, f64::min)
+}
+
+/// Estimated error of the level of each acceleration [dB], from a run in half steps over the first part of the time; `None` where both are
+/// silent or faint.
+fn level_errors(recording: &MachineRecording, again: &MachineRecording) -> Vec<(MachineChannel, Option<f64>)> {
+    let accelerations = || recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
+    let strongest = accelerations().map(|(_, values)| rms(values)).fold(0.0, f64::max);
+    let of = |(channel, values): &(MachineChannel, Vec<f64>)| {
+        let repeated = again.of(*channel);
+        // Rounding makes most of a motion that is a thousandth of the strongest one.
+        if rms(values) < strongest * 10_f64.powf(-FAINT / 20.0) {
+            return (*channel, None);
+        }
+        let error = level_of_both(&values[..repeated.len().min(values.len())], repeated);
+        (*channel, error.map(|error| ERROR_OVER_DEVIATION * error))
+    };
+    accelerations().map(of).collect()
+}

@@ -1,0 +1,258 @@
+//! The result of a machine job as JSON.
+
+use std::collections::BTreeMap;
+
+use raceway_core::machine::channel::MachineChannel;
+use raceway_core::machine::input::{Machine, MachineError};
+use raceway_core::machine::result::{BearingMetrics, MachineResult, SignalMetrics, SignalSpectra};
+use raceway_core::machine::run::simulate;
+use raceway_core::simulation::input::control::Control;
+use raceway_core::simulation::result::lines::Line;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::failure::{DID_NOT_CONVERGE, RunFailure, SPINDLE_LEFT_BEARING};
+use super::metrics::{BandAnswer, LineAnswer};
+use super::signals::{SpectrumAnswer, SpectrumKind};
+use crate::contract::job::machine::MachineJob;
+use crate::contract::json::units::US;
+
+/// Result of a machine job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MachineAnswer {
+    /// Metrics of each signal from 0 to 20 kHz, by channel: `A.y.acceleration` of the inner ring of bearing A, `A.force.y` and
+    /// `A.moment.z` of the shaft on it, `A.tilt.y`, `A.cage.speed`, `sensor.NAME.acceleration`.
+    pub channels: BTreeMap<String, MachineChannelAnswer>,
+    /// Lines of the spectra of the accelerations, strongest first within each channel. A label that names balls or cage ends in `@` and the
+    /// name of the bearing.
+    pub lines: Vec<LineAnswer>,
+    /// Lines of the spectra of their envelopes from 2 to 20 kHz.
+    pub envelope_lines: Vec<LineAnswer>,
+    /// What each bearing did, by its name.
+    pub bearings: BTreeMap<String, MachineBearingAnswer>,
+    /// Natural motions of shaft and bearings, linear about the operating point, below 20 kHz.
+    pub natural_frequencies: Vec<NaturalFrequencyAnswer>,
+    /// Whether every natural motion decays at the operating speed.
+    pub is_stable: bool,
+    /// What was solved.
+    pub model: MachineModelAnswer,
+    /// How far the levels can be trusted.
+    pub accuracy: MachineAccuracyAnswer,
+}
+
+/// Metrics of a signal in its unit, from 0 to 20 kHz.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MachineChannelAnswer {
+    /// Unit of `mean`, `rms` and `peak`.
+    #[schema(example = "m/s²")]
+    pub unit: String,
+    /// Mean.
+    pub mean: f64,
+    /// Root mean square about the mean.
+    #[schema(minimum = 0)]
+    pub rms: f64,
+    /// Largest distance from the mean.
+    #[schema(minimum = 0)]
+    pub peak: f64,
+    /// Peak over rms [-]; absent where nothing moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub crest_factor: Option<f64>,
+    /// Kurtosis [-]: 3 of noise, 1.5 of a sine; absent where nothing moves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub kurtosis: Option<f64>,
+    /// Level of an acceleration [dB re 9.81 mm/s²].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub level_db: Option<f64>,
+    /// Vibration of an acceleration in three bands.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bands: Vec<BandAnswer>,
+}
+
+/// What a bearing did over the recorded time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MachineBearingAnswer {
+    /// Turns of the shaft [Hz].
+    pub shaft_hz: f64,
+    /// FTF: turns of the cage at its simulated speed [Hz].
+    pub cage_hz: f64,
+    /// BPFO: balls passing a point of the outer raceway [Hz].
+    pub ball_pass_outer_hz: f64,
+    /// BPFI: balls passing a point of the inner raceway [Hz].
+    pub ball_pass_inner_hz: f64,
+    /// BSF: turns of a ball [Hz].
+    pub ball_spin_hz: f64,
+    /// 1 − cage speed over that of ideal rolling without contact angle [-]; absent at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cage_slip: Option<f64>,
+    /// Largest load of a ball on the inner raceway [N].
+    #[schema(minimum = 0)]
+    pub max_inner_load_n: f64,
+    /// Largest load of a ball on the outer raceway [N].
+    #[schema(minimum = 0)]
+    pub max_outer_load_n: f64,
+    /// Largest load of a pocket [N].
+    #[schema(minimum = 0)]
+    pub max_pocket_load_n: f64,
+    /// Largest slip of a loaded contact [m/s].
+    #[schema(minimum = 0)]
+    pub max_slip_m_s: f64,
+}
+
+/// A natural motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NaturalFrequencyAnswer {
+    /// [Hz]
+    pub frequency_hz: f64,
+    /// Damping ratio [-]; negative: the motion grows.
+    pub damping_ratio: f64,
+}
+
+/// Size and steps of the calculation.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MachineModelAnswer {
+    /// Number of coordinates of the shaft: modes, and static answers of the rest.
+    pub coordinates: u64,
+    /// Number of first-order states of shaft, balls and cages.
+    pub states: u64,
+    /// Step [µs].
+    pub step_us: f64,
+    /// Time before the record [s].
+    pub settle_s: f64,
+    /// Recorded time [s].
+    pub duration_s: f64,
+    /// Evaluations of all bearings, repetitions included.
+    pub evaluations: u64,
+}
+
+/// Estimated errors, from a repetition in half steps.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MachineAccuracyAnswer {
+    /// Time that was repeated [s].
+    pub repeated_s: f64,
+    /// Estimated error of the level of each acceleration by its steps [dB], by channel; absent of silent and faint ones.
+    pub level_errors_db: BTreeMap<String, f64>,
+}
+
+/// Result and spectra of a machine job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineOutcome {
+    pub answer: MachineAnswer,
+    /// Amplitude and envelope spectrum of each acceleration.
+    pub spectra: Vec<SpectrumAnswer>,
+}
+
+impl MachineOutcome {
+    /// Runs the job.
+    pub fn of(job: &MachineJob, control: &Control<'_>) -> Result<Self, RunFailure> {
+        let result = simulate(&job.machine, &job.settings, control)?;
+        let spectra = spectra(&job.machine, &result);
+        Ok(Self { answer: answer(&job.machine, &result), spectra })
+    }
+}
+
+impl From<MachineError> for RunFailure {
+    fn from(error: MachineError) -> Self {
+        let cause = match error {
+            MachineError::Stopped(_) => return Self::Cancelled,
+            MachineError::Diverged { .. } => SPINDLE_LEFT_BEARING,
+            MachineError::Rotor(_) | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
+        };
+        Self::Failed { cause, detail: error.to_string() }
+    }
+}
+
+fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
+    let named = |channel: &MachineChannel| channel.named(machine).to_string();
+    let lines = |of: fn(&SignalSpectra) -> &Vec<Line>| {
+        let of_channel = |spectra: &'_ SignalSpectra| -> Vec<LineAnswer> {
+            of(spectra).iter().map(|line| line_answer(named(&spectra.channel), line)).collect()
+        };
+        result.spectra.iter().flat_map(of_channel).collect()
+    };
+    let errors = result.accuracy.errors.iter().filter_map(|(channel, error)| Some((named(channel), (*error)?)));
+    MachineAnswer {
+        channels: result
+            .channels
+            .iter()
+            .map(|(channel, metrics)| (named(channel), channel_answer(channel, metrics)))
+            .collect(),
+        lines: lines(|spectra| &spectra.lines),
+        envelope_lines: lines(|spectra| &spectra.envelope_lines),
+        bearings: machine
+            .bearings
+            .iter()
+            .map(|bearing| bearing.name.clone())
+            .zip(result.bearings.iter().map(bearing_answer))
+            .collect(),
+        natural_frequencies: result
+            .natural_frequencies
+            .iter()
+            .map(|&(frequency_hz, damping_ratio)| NaturalFrequencyAnswer { frequency_hz, damping_ratio })
+            .collect(),
+        is_stable: result.growth_rate.is_some_and(|rate| rate < 0.0),
+        model: MachineModelAnswer {
+            coordinates: result.coordinates as u64,
+            states: result.states as u64,
+            step_us: US.to_user(result.accuracy.step),
+            settle_s: result.settle,
+            duration_s: result.duration,
+            evaluations: result.accuracy.evaluations,
+        },
+        accuracy: MachineAccuracyAnswer { repeated_s: result.accuracy.window, level_errors_db: errors.collect() },
+    }
+}
+
+fn channel_answer(channel: &MachineChannel, metrics: &SignalMetrics) -> MachineChannelAnswer {
+    MachineChannelAnswer {
+        unit: channel.unit().to_owned(),
+        mean: metrics.mean,
+        rms: metrics.rms,
+        peak: metrics.peak,
+        crest_factor: metrics.crest_factor,
+        kurtosis: metrics.kurtosis,
+        level_db: metrics.level_db,
+        bands: metrics.bands.iter().map(BandAnswer::from).collect(),
+    }
+}
+
+fn line_answer(channel: String, line: &Line) -> LineAnswer {
+    LineAnswer {
+        channel,
+        frequency_hz: line.frequency,
+        amplitude: line.amplitude,
+        label: line.label.clone(),
+        deviation_hz: line.deviation,
+    }
+}
+
+fn bearing_answer(metrics: &BearingMetrics) -> MachineBearingAnswer {
+    let (record, at) = (&metrics.record, &metrics.frequencies);
+    MachineBearingAnswer {
+        shaft_hz: at.shaft,
+        cage_hz: at.cage,
+        ball_pass_outer_hz: at.ball_pass_outer,
+        ball_pass_inner_hz: at.ball_pass_inner,
+        ball_spin_hz: at.ball_spin,
+        cage_slip: metrics.cage_slip,
+        max_inner_load_n: record.inner_load,
+        max_outer_load_n: record.outer_load,
+        max_pocket_load_n: record.pocket_load,
+        max_slip_m_s: record.slip,
+    }
+}
+
+fn spectra(machine: &Machine, result: &MachineResult) -> Vec<SpectrumAnswer> {
+    let of = |spectra: &SignalSpectra| {
+        let (channel, unit) = (spectra.channel.named(machine).to_string(), spectra.channel.unit());
+        [(SpectrumKind::Amplitude, &spectra.amplitude), (SpectrumKind::Envelope, &spectra.envelope)].map(
+            |(kind, spectrum)| {
+                SpectrumAnswer::of_steps((channel.clone(), unit.to_owned()), kind, spectrum, result.accuracy.step)
+            },
+        )
+    };
+    result.spectra.iter().flat_map(of).collect()
+}
