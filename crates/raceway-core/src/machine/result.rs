@@ -168,6 +168,7 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
             uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
             odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
             unequal_balls: bearing.scene.has_unequal_balls(),
+            loads: &[],
         };
         let found = find_lines(spectrum, &sources, BAND).into_iter().map(|line| named(line, &bearing.name));
         if best.is_empty() {
