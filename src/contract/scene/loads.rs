@@ -304,13 +304,16 @@ fn points_of(points: &[LoadPointInput], at: &str, is_moment: bool, defaults: &mu
     (defaults.errors.len() == known_errors).then_some(LoadCourse::Points(all))
 }
 
+/// Name in `physics`, field, value and unit of a number with limits.
+type LimitedField = (&'static str, &'static str, f64, Unit);
+
 /// The rate and the phase of a harmonic or rotating load with their fields; `None` after an error.
 fn rate(
     (frequency, order): (Option<f64>, Option<f64>),
     phase: &mut Option<f64>,
     at: &str,
     defaults: &mut Defaults,
-) -> Option<(LoadRate, f64, [(&'static str, &'static str, f64, Unit); 2])> {
+) -> Option<(LoadRate, f64, [LimitedField; 2])> {
     let phase = defaults.fill(format!("{at}/phase_deg"), phase, 0.0);
     let of_phase = ("phase", "phase_deg", phase, DEG);
     let (rate, of_rate) = match (frequency, order) {
