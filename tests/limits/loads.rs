@@ -43,7 +43,7 @@ fn settings(rung: Option<ModelLevel>, settle: f64, duration: f64) -> RunSettings
 /// Displacements of the spindle along Y [m].
 fn displacements(json: &Value, settings: &RunSettings) -> Vec<f64> {
     let result = simulate(&scene(json), settings, &Control::until(&|| false)).unwrap();
-    result.series[0].values.iter().map(|value| 1e-6 * f64::from(*value)).collect()
+    result.series[0].values.iter().map(|value| 1e-6 * value).collect()
 }
 
 /// The article's bearing at rest with a preload alone: Y and Z are not coupled, and every ball stays in contact.
