@@ -80,4 +80,42 @@ def case_study_over_the_length(running):
     verdict(all(0.1 < one.get("first_over_rms", 0) < 2 for one in found), "its ratio to the rms is a column, too")
 
 
+def case_optimum_over_an_envelope(running):
+    metric = f"/channels/{Y}/envelope/ball_pass_outer/first_over_rms"
+    job = motor(spall(), kind="optimum", metric=metric, goal="maximum",
+                axes=[{"path": "/surfaces/outer/defects/0/length_mm", "from": 0.2, "to": 0.6}])
+    status, _, answer = running.request("POST", "/v1/jobs", job)
+    verdict(status == 202, f"an optimum takes an envelope over the rms: status {status}")
+    running.request("POST", f"/v1/jobs/{answer.get('id')}/cancel")
+
+
+def case_one_name_of_an_item(running):
+    axes = [{"path": f"/surfaces/outer/defects/{item}/length_mm", "values": [0.2, 0.4]} for item in ("0", "00")]
+    status, _, answer = running.request("POST", "/v1/jobs", motor(spall(), kind="study", axes=axes))
+    verdict(status == 422 and "has no item 00" in str(answer), f"items 0 and 00 are not two fields: status {status}")
+
+
+def case_waves_that_change_nothing(running):
+    waves = {"outer": {"waviness": [{"order": order, "amplitude_nm": 100} for order in (8, 5000)]}}
+    answer = resolved(running, {"scene": motor(waves)["scene"]})
+    stated = [message for message in answer.get("messages", []) if message["code"] == "waves-left-out"]
+    verdict([(one.get("order"), one.get("count")) for one in stated] == [(5000, 1)], "a wave of order 5000 is told to change nothing")
+
+
+def case_rates_below_the_resolution(running):
+    job = motor(spall(), settle_s=0.05, duration_s=0.2, outputs={"metrics": ["vibration"], "spectra": []})
+    job["scene"]["operation"]["speed_rpm"] = 100
+    envelope = metrics(running, job).get("channels", {}).get(Y, {}).get("envelope", {})
+    found = {name: envelope[name].get("first") for name in ("shaft", "cage", "ball_pass_outer") if name in envelope}
+    verdict(set(found.values()) == {None}, f"0.2 s have no lines at 0.7, 1.7 and 6 Hz: {found}")
+
+
+def case_balls_that_stay_in_a_defect(running):
+    job = motor({"outer": {"defects": [{"length_mm": 1, "depth_um": 10}]}}, solver={"rung": "radially_condensed"})
+    job["scene"]["bearing"] = {"preset": "6205", "cage": {"seat": "closed", "offset_mm": 0}}
+    level = lambda rung: metrics(running, job | {"solver": {"rung": rung}}).get("channels", {}).get(Y, {}).get("level_db", 0)
+    off = level("radially_condensed") - level("planar")
+    verdict(abs(off) < 0.05, f"a spall as deep as 0.98 of the approach on radially_condensed: {off:.3f} dB from planar")
+
+
 run_cases(globals())

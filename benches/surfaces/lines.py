@@ -88,7 +88,7 @@ def axial_wave(order):
 
 
 def slot(**fields):
-    return {"defects": [{"azimuth_deg": 0, "length_mm": 0.3, "depth_um": 2, **fields}]}
+    return {"defects": [{"azimuth_deg": 0, "length_mm": 0.3, "depth_um": 1, **fields}]}
 
 
 def harmonics(step, names):

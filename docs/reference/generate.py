@@ -18,6 +18,8 @@ KINDS = ("simulation", "study", "optimum", "accuracy")
 # Schemas of the answers that results.md lists, with the address of each.
 ANSWERS = {
     "Metrics": "`GET /v1/jobs/{id}/metrics`, and `metrics` of a finished job",
+    "OrdersAnswer": "`GET /v1/jobs/{id}/orders`",
+    "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
     "MachineAnswer": "`GET /v1/jobs/{id}/machine`",
 }

@@ -16,6 +16,7 @@ use uuid::Uuid;
 use super::error::ApiError;
 use super::jobs::ShowQuery;
 use super::list_query::ListQuery;
+use super::orders::{OrdersQuery, PNG, WaterfallQuery};
 use super::request::{
     JobId, JsonBody, NoQuery, PlotFile, Query, SeriesBody, SeriesFormat, SeriesHash, header, negotiated,
 };
@@ -82,6 +83,8 @@ fn router() -> Router {
         .route("/v1/jobs/{id}/events", get(events))
         .route("/v1/jobs/{id}/spectrum", get(spectrum))
         .route("/v1/jobs/{id}/series", get(series))
+        .route("/v1/jobs/{id}/orders", get(orders))
+        .route("/v1/jobs/{id}/waterfall", get(waterfall))
         .route("/v1/jobs/{id}/plots/{file}", get(plot))
         .route("/v1/jobs/{id}/table", get(table))
         .route("/v1/jobs/{id}/rotor.py", get(rotor_script))
@@ -199,6 +202,15 @@ async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Resu
         value: (0..40).map(|k| f64::from(k * 7 % 11) - 5.0).collect(),
     };
     SeriesQuery::checked(query)?.part(stored.into()).answer(format, header(&headers, &RANGE)).await
+}
+
+async fn orders(headers: HeaderMap, _: JobId, _: Query<OrdersQuery>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON, CSV, NPY, SVG]).map(|_| StatusCode::OK)
+}
+
+async fn waterfall(headers: HeaderMap, _: JobId, Query(query): Query<WaterfallQuery>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON, CSV, NPY, SVG, PNG])?;
+    query.picture().map(|_| StatusCode::OK)
 }
 
 async fn plot(

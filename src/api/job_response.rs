@@ -92,6 +92,22 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub series: Option<String>,
+    /// Order spectrum and order tracks of a succeeded simulation with `outputs.orders`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub orders: Option<String>,
+    /// Spectra over speed, likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub waterfall: Option<String>,
+    /// Plot of `orders`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub orders_svg: Option<String>,
+    /// Plot of `waterfall`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub waterfall_svg: Option<String>,
     /// Spectra of a succeeded simulation.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -259,6 +275,7 @@ struct OutputFields {
     /// `None`: the default spectra.
     spectra: Option<Vec<IgnoredAny>>,
     series: Vec<IgnoredAny>,
+    orders: Option<IgnoredAny>,
     /// `None`: all metrics.
     metrics: Option<Vec<MetricsPart>>,
 }
@@ -275,7 +292,8 @@ impl Links {
         let this = path_of(record.id);
         let fields = RequestFields::of(&record.request);
         let spectra = fields.outputs.spectra.as_ref().is_none_or(|spectra| !spectra.is_empty());
-        let series = !fields.outputs.series.is_empty();
+        let orders = fields.outputs.orders.is_some();
+        let series = orders || !fields.outputs.series.is_empty();
         let contacts = fields.outputs.metrics.as_ref().is_none_or(|parts| parts.contains(&MetricsPart::Contacts));
         let axes = if kind == JobKind::Study.name() { fields.axes.len() } else { 0 };
         let link = |name: &str, when: bool| when.then(|| format!("{this}/{name}"));
@@ -290,6 +308,10 @@ impl Links {
             spectrum: link("spectrum", in_time || simulated && spectra),
             channels: link("channels", in_time || simulated),
             series: link("series", simulated && series),
+            orders: link("orders", simulated && orders),
+            waterfall: link("waterfall", simulated && orders),
+            orders_svg: link("plots/orders.svg", simulated && orders),
+            waterfall_svg: link("plots/waterfall.svg", simulated && orders),
             spectrum_svg: link("plots/spectrum.svg", in_time || simulated && spectra),
             envelope_svg: link("plots/envelope.svg", in_time || simulated && spectra),
             impact_svg: link("plots/impact.svg", drawn && fields.scene.surfaces.have_defects()),

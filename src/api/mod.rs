@@ -45,6 +45,7 @@ mod batch;
 mod events;
 mod health;
 mod jobs;
+mod orders;
 mod plots;
 mod portal;
 mod results;

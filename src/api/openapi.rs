@@ -313,6 +313,8 @@ fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
         ("getMetrics", OF_SIMULATION, None),
         ("getSpectrum", OF_SIMULATION, Some(("channel", "spindle.y.acceleration"))),
         ("getSeries", "For a simulation with requested series", Some(("channel", "spindle.y.displacement"))),
+        ("getOrders", "For a simulation with requested orders or series", None),
+        ("getWaterfall", "For a simulation with requested orders or series", None),
         ("getPlot", OF_SIMULATION, Some(("file", "spectrum.svg"))),
         ("getTable", "For a study", None),
         ("getOptimum", "For a succeeded optimum job", None),

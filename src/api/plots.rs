@@ -12,10 +12,12 @@ use super::concurrency::{RequestPermit, hold_until_sent};
 use super::credentials::Owner;
 use super::error::ApiError;
 use super::openapi::{self, Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Unchanged};
+use super::orders::{OrdersQuery, WaterfallQuery, orders_of, waterfall_of};
 use super::request::{JobId, NoQuery, PlotFile, Query, negotiated};
 use super::stored_answer::{SVG, formatted, read, series_of, spectrum_of};
 use super::studies::table_of;
 use crate::contract::answer::views::TraceView;
+use crate::contract::job::simulation::varying_speed_rpm;
 use crate::contract::{
     JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
 };
@@ -40,6 +42,10 @@ enum PlotName {
     Envelope,
     #[schema(rename = "impact.svg")]
     Impact,
+    #[schema(rename = "orders.svg")]
+    Orders,
+    #[schema(rename = "waterfall.svg")]
+    Waterfall,
     #[schema(rename = "work-precision.svg")]
     WorkPrecision,
     #[schema(rename = "optimum.svg")]
@@ -50,8 +56,17 @@ enum PlotName {
     Map,
 }
 
-pub const OF_SIMULATION: &[&str] =
-    &["spectrum.svg", "envelope.svg", "velocity.svg", "acceleration.svg", "orbit.svg", "loads.svg", "impact.svg"];
+pub const OF_SIMULATION: &[&str] = &[
+    "spectrum.svg",
+    "envelope.svg",
+    "velocity.svg",
+    "acceleration.svg",
+    "orbit.svg",
+    "loads.svg",
+    "impact.svg",
+    "orders.svg",
+    "waterfall.svg",
+];
 pub const OF_MACHINE: &[&str] = &["spectrum.svg", "envelope.svg"];
 pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
@@ -69,6 +84,9 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 /// - `loads.svg`: loads of ball 1 over its orbit, if contacts were requested.
 /// - `impact.svg`: the acceleration of the spindle around its largest peak, if a raceway has a defect. Times at which the centre of a ball
 ///   is over a defect are shaded.
+///
+/// - `orders.svg`: the mean order spectrum and tracks of orders over the shaft speed, if orders or series were requested.
+/// - `waterfall.svg`: spectra over the shaft speed with labelled orders, likewise. `…/orders` and `…/waterfall` take settings.
 ///
 /// At a steady speed these plots show the last 12 ball passages, four turns, or the first three turns of the ball; otherwise the whole
 /// run. Of a run longer than 1 s they show at most its first second.
@@ -99,17 +117,19 @@ pub async fn plot(
     negotiated(&headers, &[SVG])?;
     // A study has up to a hundred megabytes, and a series a million values.
     let held = match file.as_str() {
-        "trend.svg" | "map.svg" | "velocity.svg" | "acceleration.svg" => Some(permit.concurrency().series()?),
+        "trend.svg" | "map.svg" | "velocity.svg" | "acceleration.svg" | "orders.svg" | "waterfall.svg" => {
+            Some(permit.concurrency().series()?)
+        }
         _ => None,
     };
-    let response = drawn(&app, &owner, id, &file).await?;
+    let response = drawn(&app, &owner, id, &permit, &file).await?;
     Ok(match held {
         Some(held) => hold_until_sent(held, response),
         None => response,
     })
 }
 
-async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response, ApiError> {
+async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &str) -> Result<Response, ApiError> {
     match file {
         "spectrum.svg" => spectra(app, owner, id, SpectrumKind::Amplitude).await,
         "envelope.svg" => spectra(app, owner, id, SpectrumKind::Envelope).await,
@@ -120,6 +140,16 @@ async fn drawn(app: &App, owner: &str, id: Uuid, file: &str) -> Result<Response,
             view(app, owner, id, |views| Some(draw::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty())).await
         }
         "loads.svg" => view(app, owner, id, |views| views.loads.as_ref().map(draw::loads)).await,
+        "orders.svg" => {
+            check_series(app, owner, id).await?;
+            let answer = orders_of(app, owner, id, permit, OrdersQuery::default()).await?;
+            formatted(move || Ok(svg_response(draw::orders(&answer)))).await
+        }
+        "waterfall.svg" => {
+            check_series(app, owner, id).await?;
+            let answer = waterfall_of(app, owner, id, permit, WaterfallQuery::default()).await?;
+            formatted(move || Ok(svg_response(draw::waterfall(&answer, draw::WATERFALL_RANGE_DB)))).await
+        }
         "work-precision.svg" => work_precision(app, owner, id).await,
         "optimum.svg" => optimum(app, owner, id).await,
         "trend.svg" => of_study(app, owner, id, draw::trend).await,
@@ -159,10 +189,14 @@ async fn spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result
     if spectra.is_empty() {
         return Err(ApiError::UnknownChannel { channel: "spindle.y.acceleration".into(), kept: Vec::new() });
     }
+    let request = app.jobs.get(owner, id).await?.request;
+    let has_waterfall = !app.jobs.channels(owner, id, Signal::Series).await?.is_empty();
     formatted(move || {
+        let range_rpm = varying_speed_rpm(&read(request.as_bytes())?);
+        let speed = draw::VaryingSpeed { range_rpm, has_waterfall };
         let metrics: Metrics = read(metrics.as_bytes())?;
         let draw = if kind == SpectrumKind::Envelope { draw::envelopes } else { draw::spectra };
-        Ok(svg_response(draw(&metrics, &spectra)))
+        Ok(svg_response(draw(&metrics, &spectra, speed)))
     })
     .await
 }
@@ -216,6 +250,14 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Res
         .await;
     }
     formatted(move || Ok(svg_response(draw::series(&series)))).await
+}
+
+/// Refuses plots of a job without series.
+async fn check_series(app: &App, owner: &str, id: Uuid) -> Result<(), ApiError> {
+    match app.jobs.channels(owner, id, Signal::Series).await?.is_empty() {
+        true => Err(ApiError::UnknownPlot { known: &OF_SIMULATION[..7] }),
+        false => Ok(()),
+    }
 }
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {

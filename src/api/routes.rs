@@ -21,8 +21,8 @@ use super::app::App;
 use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
-    auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, plots, portal, request,
-    request_id, results, rotor, scenes, studies, uploaded_series,
+    auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders, plots, portal,
+    request, request_id, results, rotor, scenes, studies, uploaded_series,
 };
 
 /// Every documented route.
@@ -65,6 +65,8 @@ fn result_routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(results::channels))
         .routes(routes!(results::spectrum))
         .routes(routes!(results::series))
+        .routes(routes!(orders::orders))
+        .routes(routes!(orders::waterfall))
         .routes(routes!(results::accuracy))
         .routes(routes!(results::optimum))
         .routes(routes!(rotor::result))

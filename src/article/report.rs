@@ -31,7 +31,7 @@ pub fn pictures(figure: &Figure, evidence: &Evidence) -> Vec<(String, String)> {
         Evidence::Runs(runs) => {
             let spectrum = |run: &Simulated| {
                 let amplitudes: Vec<_> = run.spectra.iter().filter(|s| s.is_amplitude()).cloned().collect();
-                draw::spectra(&run.metrics, &amplitudes)
+                draw::spectra(&run.metrics, &amplitudes, draw::VaryingSpeed::default())
             };
             vec![(name(""), spectrum(&runs[0])), (name("-unbalanced"), spectrum(&runs[1]))]
         }

@@ -8,7 +8,10 @@ use super::output_directory::OutputDirectory;
 use super::{accuracy, optimum};
 use crate::config::SimulateOptions;
 use crate::contract::answer::csv;
-use crate::contract::{self, JobKind, MachineOutcome, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind};
+use crate::contract::answer::orders::of_series;
+use crate::contract::{
+    self, Job, JobKind, MachineOutcome, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
+};
 use crate::plots::draw;
 
 /// Runs the job and prints its metrics.
@@ -21,12 +24,13 @@ pub fn run(options: &SimulateOptions) -> Exit {
         .and_then(|job| {
             let output = options.output.as_deref().map(OutputDirectory::open).transpose();
             let output = output.map_err(|error| failed(&error))?;
-            Ok((local::execute(&job, options.quiet)?, output))
+            let outcome = local::execute(&job, options.quiet)?;
+            Ok((job, outcome, output))
         });
-    done.map_or_else(|exit| exit, |(outcome, output)| finish(&outcome, output.as_ref()))
+    done.map_or_else(|exit| exit, |(job, outcome, output)| finish(&job, &outcome, output.as_ref()))
 }
 
-fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
+fn finish(job: &Job, outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
     let text = match outcome {
         Outcome::Simulation(simulated) => json(&simulated.metrics),
         Outcome::Accuracy(answer) => json(answer),
@@ -39,7 +43,7 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
         return failed(&format!("stdout: {error}"));
     }
     let written = output.map(|directory| match outcome {
-        Outcome::Simulation(simulated) => write(simulated, directory),
+        Outcome::Simulation(simulated) => write(job, simulated, directory),
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
         Outcome::Optimum(answer) => optimum::write(answer, directory),
         Outcome::Rotor(answer) => directory.write("rotor.json", &json(answer)),
@@ -52,14 +56,26 @@ fn finish(outcome: &Outcome, output: Option<&OutputDirectory>) -> Exit {
 }
 
 /// Writes all results as files.
-fn write(outcome: &Simulated, directory: &OutputDirectory) -> Result<(), String> {
+fn write(job: &Job, outcome: &Simulated, directory: &OutputDirectory) -> Result<(), String> {
     directory.write("metrics.json", &json(&outcome.metrics))?;
     write_spectra(&outcome.spectra, directory)?;
     for series in outcome.series.iter().map(SeriesAnswer::of) {
         directory.write(&format!("series.{}.json", series.channel), &json(&series))?;
         directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(&series))?;
     }
-    for (name, picture) in draw::pictures(outcome) {
+    let orders = match job {
+        Job::Simulation(simulation) => of_series(simulation, &outcome.series),
+        _ => None,
+    };
+    if let Some((orders, waterfall)) = &orders {
+        directory.write("orders.json", &json(orders))?;
+        directory.write("orders.csv", &orders.csv())?;
+        directory.write("orders.svg", &draw::orders(orders))?;
+        directory.write("waterfall.json", &json(waterfall))?;
+        directory.write("waterfall.csv", &waterfall.csv())?;
+        directory.write("waterfall.svg", &draw::waterfall(waterfall, draw::WATERFALL_RANGE_DB))?;
+    }
+    for (name, picture) in draw::pictures(outcome, orders.is_some()) {
         directory.write(name, &picture)?;
     }
     Ok(())

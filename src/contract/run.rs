@@ -23,7 +23,7 @@ use super::answer::work_precision::result::WorkPrecisionAnswer;
 use super::job::checked::Job;
 use super::job::parse::parse_job_or_scene;
 use super::job::rotor::RotorJob;
-use super::job::simulation::Simulation;
+use super::job::simulation::{Simulation, varying_speed_rpm};
 use super::json::problem::{FieldError, Refusal};
 
 /// The result of a job, by its kind.
@@ -45,6 +45,8 @@ pub struct Simulated {
     pub series: Vec<Series>,
     /// Data of the plots.
     pub views: ViewsAnswer,
+    /// Least and greatest shaft speed of the recorded time [r/min]; `None` where it is constant.
+    pub varying_speed_rpm: Option<[f64; 2]>,
 }
 
 impl Outcome {
@@ -149,6 +151,7 @@ fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series,
         views: ViewsAnswer::of(&result.plot_data),
+        varying_speed_rpm: varying_speed_rpm(&simulation.submission.request),
     }
 }
 

@@ -5,38 +5,52 @@ use serde_json::{Map, Value};
 use super::loads::{LoadCurve, loads_svg};
 use super::map::{MapPanel, map_svg};
 use super::orbit::{OrbitCurve, orbit_svg};
+use super::orders::{OrderPlot, TrackCurve, orders_svg};
 use super::series::{SeriesCurve, TimeSpan, series_svg};
 use super::spectrum::{SpectrumCurve, spectrum_svg};
 use super::trend::{TrendCurve, TrendPanel, trend_svg};
 use super::varied_axis::{AxisValues, VariedAxis};
+use super::waterfall::{OrderLine, Waterfall};
 use super::work_precision::{ErrorPanel, FailedRun, WorkPoint, WorkPrecisionCurve, work_precision_svg};
 use crate::contract::answer::headings::{field_heading, metric_heading};
 use crate::contract::answer::metrics::LineAnswer;
 use crate::contract::answer::optimum::{PurposeName, RangeAnswer, RunAnswer};
+use crate::contract::answer::orders::{OrderLineAnswer, OrdersAnswer, WaterfallAnswer, WaterfallAxis};
 use crate::contract::answer::table::AxisAnswer;
 use crate::contract::answer::views::{ImpactView, LoadsView, OrbitView, TraceView};
 use crate::contract::answer::work_precision::point::PointAnswer;
 use crate::contract::answer::work_precision::reference::floors;
 use crate::contract::job::input::GoalName;
+use crate::contract::job::orders::ReferenceName;
 use crate::contract::job::outputs::EnvelopeName;
+use crate::contract::json::numbers::significant;
 use crate::contract::{
     MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer,
     WorkPrecisionAnswer,
 };
 use raceway_core::simulation::result::lines::Line;
 
+/// A speed that varies over a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct VaryingSpeed {
+    /// Least and greatest shaft speed [r/min]; `None` where it is constant.
+    pub range_rpm: Option<[f64; 2]>,
+    /// Whether the run has a waterfall.
+    pub has_waterfall: bool,
+}
+
 /// The amplitude spectra of a job, with their labelled lines.
-pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
-    labelled_spectra("Vibration spectrum", metrics, metrics.lines.as_deref(), spectra)
+pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer], speed: VaryingSpeed) -> String {
+    labelled_spectra("Vibration spectrum", metrics, metrics.lines.as_deref(), spectra, speed)
 }
 
 /// The envelope spectra of a job's accelerations, with their labelled lines.
-pub fn envelopes(metrics: &Metrics, spectra: &[SpectrumAnswer]) -> String {
+pub fn envelopes(metrics: &Metrics, spectra: &[SpectrumAnswer], speed: VaryingSpeed) -> String {
     let title = match metrics.envelope {
         Some(EnvelopeName::Squared) => "Squared-envelope spectrum",
         _ => "Envelope spectrum",
     };
-    labelled_spectra(title, metrics, metrics.envelope_lines.as_deref(), spectra)
+    labelled_spectra(title, metrics, metrics.envelope_lines.as_deref(), spectra, speed)
 }
 
 fn labelled_spectra(
@@ -44,6 +58,7 @@ fn labelled_spectra(
     metrics: &Metrics,
     lines: Option<&[LineAnswer]>,
     spectra: &[SpectrumAnswer],
+    speed: VaryingSpeed,
 ) -> String {
     let lines: Vec<Vec<Line>> =
         spectra.iter().map(|spectrum| lines_of(lines.unwrap_or_default(), &spectrum.channel)).collect();
@@ -54,6 +69,12 @@ fn labelled_spectra(
         amplitude: &spectrum.amplitude,
         lines,
     });
+    let curves = curves.collect::<Vec<_>>();
+    if let Some([from, to]) = speed.range_rpm {
+        // No single frequency is that of the shaft.
+        let subtitle = format!("shaft speed from {from:.0} to {to:.0} r/min: lines that follow it are smeared");
+        return spectrum_svg(title, &subtitle, &curves, speed.has_waterfall.then_some("waterfall.svg"));
+    }
     let frequencies = &metrics.frequencies_hz;
     let subtitle = format!(
         "shaft {:.1} Hz, cage {:.1} Hz, BPFO {:.1} Hz, BPFI {:.1} Hz, ball spin {:.1} Hz",
@@ -63,7 +84,7 @@ fn labelled_spectra(
         frequencies.ball_pass_inner,
         frequencies.ball_spin
     );
-    spectrum_svg(title, &subtitle, &curves.collect::<Vec<_>>())
+    spectrum_svg(title, &subtitle, &curves, None)
 }
 
 /// Whether the plots of a machine job show a channel: those of its sensors, or without any, of the bearings' inner rings along Y.
@@ -101,7 +122,7 @@ pub fn machine_spectra(answer: &MachineAnswer, kind: SpectrumKind, spectra: &[Sp
     });
     let shaft = answer.bearings.values().next().map_or(0.0, |bearing| bearing.shaft_hz);
     let subtitle = format!("shaft {shaft:.1} Hz; {}", of_bearings.collect::<Vec<_>>().join("; "));
-    spectrum_svg(title, &subtitle, &curves)
+    spectrum_svg(title, &subtitle, &curves, None)
 }
 
 /// Most panels of a plot of a machine job.
@@ -376,9 +397,10 @@ pub fn forces(forces: &[[f64; 4]]) -> String {
     trend_svg("Ball in its pocket", "forces over those of CalculiX, converged", &axis, &[panel])
 }
 
-/// All plots of a simulation, by their names in the service; plots without data are omitted.
-pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
-    let Simulated { metrics, spectra: kept, series: whole, views } = simulated;
+/// All plots of a simulation but those of orders, by their names in the service; plots without data are omitted.
+pub fn pictures(simulated: &Simulated, has_waterfall: bool) -> Vec<(&'static str, String)> {
+    let Simulated { metrics, spectra: kept, series: whole, views, varying_speed_rpm } = simulated;
+    let speed = VaryingSpeed { range_rpm: *varying_speed_rpm, has_waterfall };
     let amplitudes = kept.iter().filter(|spectrum| spectrum.kind == SpectrumKind::Amplitude);
     let amplitudes: Vec<SpectrumAnswer> = amplitudes.cloned().collect();
     let enveloped =
@@ -392,15 +414,85 @@ pub fn pictures(simulated: &Simulated) -> Vec<(&'static str, String)> {
         (!shown.is_empty()).then(|| series(&shown))
     };
     let pictures = [
-        ("spectrum.svg", (!amplitudes.is_empty()).then(|| spectra(metrics, &amplitudes))),
+        ("spectrum.svg", (!amplitudes.is_empty()).then(|| spectra(metrics, &amplitudes, speed))),
         ("velocity.svg", motion("velocity")),
         ("acceleration.svg", motion("acceleration")),
         ("orbit.svg", (!views.orbits.is_empty()).then(|| orbits(&views.orbits))),
         ("loads.svg", views.loads.as_ref().map(loads)),
-        ("envelope.svg", (!enveloped.is_empty()).then(|| envelopes(metrics, &enveloped))),
+        ("envelope.svg", (!enveloped.is_empty()).then(|| envelopes(metrics, &enveloped, speed))),
         ("impact.svg", views.impact.as_ref().map(impact)),
     ];
     pictures.into_iter().filter_map(|(name, picture)| Some((name, picture?))).collect()
+}
+
+/// Orders of a run: mean order spectrum, and tracks over speed.
+pub fn orders(answer: &OrdersAnswer) -> String {
+    let tracks: Vec<TrackCurve<'_>> = answer
+        .tracks
+        .iter()
+        .map(|track| TrackCurve { name: &track.name, order: track.order, amplitude: &track.amplitude })
+        .collect();
+    let subtitle = format!(
+        "{}: {} blocks of {} turns of the {}, {} turns in all",
+        answer.channel,
+        answer.averages,
+        answer.turns_per_block,
+        answer.reference.name(),
+        significant(answer.turns, 5)
+    );
+    let plot = OrderPlot {
+        reference: answer.reference.name(),
+        unit: &answer.unit,
+        resolution: answer.resolution,
+        amplitude: &answer.amplitude,
+        speed: &answer.speed_rpm,
+        tracks: &tracks,
+    };
+    orders_svg("Orders", &subtitle, &plot)
+}
+
+/// Range of amplitudes that a waterfall shows unless another is asked for [dB].
+pub const WATERFALL_RANGE_DB: f64 = 60.0;
+
+/// A waterfall with axes and labelled orders.
+pub fn waterfall(answer: &WaterfallAnswer, range_db: f64) -> String {
+    let subtitle = match (answer.window_s, answer.smear_bins, answer.turns_per_block) {
+        (Some(window), Some(smear), _) => {
+            format!("{}: windows of {:.3} s, in which BPFI moves by {smear:.2} bins", answer.channel, window)
+        }
+        (_, _, Some(turns)) => {
+            format!("{}: blocks of {turns} turns of the {}", answer.channel, answer.reference.name())
+        }
+        _ => answer.channel.clone(),
+    };
+    plain_waterfall(answer).svg("Waterfall", &subtitle, range_db)
+}
+
+/// The colours of a waterfall as a PNG file.
+pub fn waterfall_png(answer: &WaterfallAnswer, (width, height): (usize, usize), range_db: f64) -> Vec<u8> {
+    plain_waterfall(answer).picture(width, height, range_db).png()
+}
+
+fn plain_waterfall(answer: &WaterfallAnswer) -> Waterfall<'_> {
+    let by_frequency = answer.axis_unit == WaterfallAxis::Hz;
+    let line = |line: &'_ OrderLineAnswer| {
+        let at = |speed: &f64| if by_frequency { line.order * speed / 60.0 } else { line.order };
+        answer.speed_rpm.iter().map(at).collect()
+    };
+    Waterfall {
+        axis_name: match (by_frequency, answer.reference) {
+            (true, _) => "frequency in Hz",
+            (false, ReferenceName::Shaft) => "order of the shaft",
+            (false, ReferenceName::Cage) => "order of the cage",
+        },
+        speed: &answer.speed_rpm,
+        time: &answer.time_s,
+        resolution: answer.resolution,
+        columns: answer.axis.len(),
+        amplitude: &answer.amplitude,
+        unit: &answer.unit,
+        lines: answer.order_lines.iter().map(|of| OrderLine { name: &of.name, at: line(of) }).collect(),
+    }
 }
 
 /// Whether a channel is the spindle's velocity, acceleration or displacement.

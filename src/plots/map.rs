@@ -1,6 +1,7 @@
 //! A metric over two varied quantities: one panel for each metric, one coloured field for each point.
 
 use super::axis::{Scale, range_of, ticks};
+use super::shade::shade_name;
 use super::svg::{Anchor, Drawing};
 use super::varied_axis::{AxisValues, VariedAxis};
 
@@ -57,7 +58,7 @@ fn draw(drawing: &mut Drawing, axes: [&VariedAxis<'_>; 2], panel: &MapPanel<'_>,
         let share = if most > least { (value - least) / (most - least) } else { 0.5 };
         let (x, y) = corner(point);
         // Slightly larger, so that no gap shows between neighbours.
-        drawing.filled(&shade(share), x, y, width + 0.4, height + 0.4);
+        drawing.filled(&shade_name(share), x, y, width + 0.4, height + 0.4);
     }
     let middle = |[column, row]: [f64; 2]| (LEFT + (column + 0.5) * width, bottom - (row + 0.5) * height);
     for run in &panel.runs {
@@ -90,7 +91,7 @@ fn bar(drawing: &mut Drawing, range: (f64, f64), (least, most): (f64, f64), (lef
     let height = (bottom - top) / SHADES as f64;
     for k in 0..SHADES {
         let share = (k as f64 + 0.5) / SHADES as f64;
-        drawing.filled(&shade(share), left, bottom - (k + 1) as f64 * height, BAR.1, height + 0.4);
+        drawing.filled(&shade_name(share), left, bottom - (k + 1) as f64 * height, BAR.1, height + 0.4);
     }
     let scale = Scale { values, positions: (bottom, top) };
     for (value, text) in ticks(values, 6) {
@@ -104,19 +105,6 @@ fn label(drawing: &mut Drawing, values: &AxisValues, write: impl Fn(usize, &str,
     for place in (0..values.len()).step_by(every) {
         write(place, &values.text(place), drawing);
     }
-}
-
-/// From dark blue over green to yellow, even steps of lightness (after viridis, by a cubic in each channel).
-fn shade(share: f64) -> String {
-    const RED: [f64; 4] = [0.267, -0.15, -1.06, 1.94];
-    const GREEN: [f64; 4] = [0.005, 1.40, -0.68, 0.18];
-    const BLUE: [f64; 4] = [0.329, 1.35, -2.62, 1.08];
-    let x = share.clamp(0.0, 1.0);
-    let [r, g, b] = [RED, GREEN, BLUE].map(|[a, b, c, d]| {
-        let value: f64 = a + x * (b + x * (c + x * d));
-        (255.0 * value.clamp(0.0, 1.0)).round() as u8
-    });
-    format!("#{r:02x}{g:02x}{b:02x}")
 }
 
 #[cfg(test)]
@@ -143,6 +131,6 @@ mod tests {
         let empty = MapPanel { name: "n", values: vec![None; 6], best: None, runs: Vec::new() };
         let flat = MapPanel { name: "n", values: vec![Some(2.0); 6], best: Some([2.0, 1.0]), runs: Vec::new() };
         assert_well_formed(&map_svg("t", "s", [&speed, &kind], &[empty, flat]));
-        assert_eq!((shade(0.0), shade(-1.0)), ("#440154".into(), "#440154".into()));
+        assert_eq!((shade_name(0.0), shade_name(-1.0)), ("#440154".into(), "#440154".into()));
     }
 }

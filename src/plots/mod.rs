@@ -7,12 +7,16 @@ pub mod draw;
 mod loads;
 mod map;
 mod orbit;
+mod orders;
 mod series;
 mod spectrum;
 mod trend;
+mod waterfall;
 mod work_precision;
 
 mod axis;
+mod png;
+mod shade;
 mod svg;
 mod varied_axis;
 

@@ -62,10 +62,13 @@ fn highest_shown(curves: &[SpectrumCurve<'_>]) -> f64 {
     ((BEYOND_LAST_LINE * last / step).ceil() * step).min(all)
 }
 
-/// Stacked spectra on one amplitude scale, up to the last line and at most 20 kHz.
-pub fn spectrum_svg(title: &str, subtitle: &str, curves: &[SpectrumCurve<'_>]) -> String {
+/// Stacked spectra on one amplitude scale, up to the last line and at most 20 kHz; `waterfall`: address of the waterfall to see instead.
+pub fn spectrum_svg(title: &str, subtitle: &str, curves: &[SpectrumCurve<'_>], waterfall: Option<&str>) -> String {
     let height = TOP + 22.0 + curves.len().max(1) as f64 * PITCH - 46.0 + BOTTOM;
     let mut drawing = Drawing::new(WIDTH, height, title, subtitle, &description(subtitle, curves));
+    if let Some(waterfall) = waterfall {
+        drawing.link(Anchor::End, WIDTH - RIGHT, 30.0, "see the waterfall", waterfall);
+    }
     let highest = highest_shown(curves);
     let mut bottom = TOP + 22.0;
     for (number, curve) in curves.iter().enumerate() {
@@ -311,7 +314,9 @@ mod tests {
             "Acceleration of the spindle",
             "article-integrated & <more>",
             &[curve("spindle.y.acceleration", &y_amplitude, &y), curve("spindle.z.acceleration", &z_amplitude, &z)],
+            Some("waterfall.svg"),
         );
+        assert!(svg.contains("<a href=\"waterfall.svg\">"));
         assert_well_formed(&svg);
         for text in
             ["m/s²", "frequency in kHz", "resolution 10 Hz", ">20<", ">0.01<", ">BPFO<", ">BPFO + f_r<", ">2·BSF<"]
@@ -350,11 +355,11 @@ mod tests {
         let silent = vec![0.0; 5121];
         let curve =
             |amplitude, resolution_hz| SpectrumCurve { name: "z", unit: "m/s²", resolution_hz, amplitude, lines: &[] };
-        assert!(spectrum_svg("t", "s", &[curve(&silent, 10.0)]).contains("nothing above"));
+        assert!(spectrum_svg("t", "s", &[curve(&silent, 10.0)], None).contains("nothing above"));
         for svg in [
-            spectrum_svg("t", "s", &[]),
-            spectrum_svg("t", "s", &[curve(&[], 0.0)]),
-            spectrum_svg("t", "s", &[curve(&silent[..1], 10.0), curve(&[0.0, f64::NAN, 1.0], 10.0)]),
+            spectrum_svg("t", "s", &[], None),
+            spectrum_svg("t", "s", &[curve(&[], 0.0)], None),
+            spectrum_svg("t", "s", &[curve(&silent[..1], 10.0), curve(&[0.0, f64::NAN, 1.0], 10.0)], None),
         ] {
             assert_well_formed(&svg);
         }

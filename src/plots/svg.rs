@@ -40,7 +40,7 @@ const STYLE: &str = "\
 .raceway-plot .f3{fill:#e08fe0}.raceway-plot .f4{fill:#b4bec8}}";
 
 /// Number of colours before they repeat.
-const COLOURS: usize = 5;
+pub const COLOURS: usize = 5;
 
 /// Alignment of a text at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,6 +125,32 @@ impl Drawing {
             "<circle class=\"dot f{}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\"/>",
             colour % COLOURS
         ));
+    }
+
+    /// A line that is visible on every colour.
+    pub fn order(&mut self, points: impl IntoIterator<Item = (f64, f64)>) {
+        let points: Vec<String> = points.into_iter().map(|(x, y)| format!("{x:.1} {y:.1}")).collect();
+        if !points.is_empty() {
+            let path = points.join("L");
+            self.element(format_args!(
+                "<path fill=\"none\" stroke=\"#fff\" stroke-width=\"0.9\" stroke-opacity=\"0.65\" stroke-dasharray=\"2 5\" d=\"M{path}\"/>"
+            ));
+        }
+    }
+
+    /// A picture in PNG as base64, stretched over a rectangle.
+    pub fn image(&mut self, x: f64, y: f64, width: f64, height: f64, png: &str) {
+        self.element(format_args!(
+            "<image x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" preserveAspectRatio=\"none\" \
+             href=\"data:image/png;base64,{png}\"/>"
+        ));
+    }
+
+    /// A text that leads to another picture.
+    pub fn link(&mut self, anchor: Anchor, x: f64, y: f64, text: &str, to: &str) {
+        self.svg += &format!("<a href=\"{}\">\n", escaped(to));
+        self.text("note", anchor, x, y, text);
+        self.svg += "</a>\n";
     }
 
     /// A hollow dot.

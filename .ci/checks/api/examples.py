@@ -30,6 +30,12 @@ ROTOR = {
         "operation": {"speed_rpm": 12000}},
     "speeds_rpm": {"from": 0, "to": 60000, "count": 3},
 }
+RUN_UP = {
+    "kind": "simulation",
+    "scene": {"bearing": "6205", "operation": {"speed_rpm": [{"at_s": 0.05, "rpm": 3000}, {"at_s": 0.45, "rpm": 9000}], "radial_load_y_n": 500}},
+    "settle_s": 0.05, "duration_s": 0.4,
+    "outputs": {"spectra": [], "orders": {"tracks": ["1", "BPFO"], "turns_per_block": 8}},
+}
 MACHINE = {
     "kind": "machine",
     "scene": {
@@ -69,6 +75,10 @@ def recorded(running):
     examples["getChannels"] = {"200": answer("GET", f"{path}/channels")}
     examples["getSpectrum"] = {"200": answer("GET", f"{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=20")}
     examples["getSeries"] = {"200": answer("GET", f"{path}/series?channel=spindle.y.displacement&max_points=4")}
+    run_up = running.submit(RUN_UP)[0]
+    running.ended(run_up)
+    examples["getOrders"] = {"200": answer("GET", f"{run_up}/orders")}
+    examples["getWaterfall"] = {"200": answer("GET", f"{run_up}/waterfall")}
     ends = {}
     for kind in ("optimum", "accuracy", "study"):
         ends[kind] = running.submit(JOBS[kind])[0]

@@ -392,6 +392,18 @@ async function surfaces(page) {
   await accessible(page, 'surfaces');
   ok('quality and waves stand in the request, removed defects do not');
 
+  const band = field(page, '/outputs/envelope_band_hz');
+  await page.locator('summary', { hasText: /^Run$/ }).click();
+  await band.fill('890');
+  await page.locator('.field', { has: band }).locator('.error', { hasText: 'not two numbers' }).waitFor();
+  await band.fill('890 to 3500');
+  await field(page, '/outputs/envelope').selectOption('squared');
+  assert.deepEqual(JSON.parse(await page.locator('#json').inputValue()).outputs, {
+    envelope_band_hz: [890, 3500],
+    envelope: 'squared',
+  });
+  ok('band and square of the envelope stand in the request');
+
   const job = JSON.parse(await page.locator('#json').inputValue());
   await page.locator('#request summary').first().click();
   await page.locator('#json').fill(JSON.stringify({ ...job, settle_s: 0.02, duration_s: 0.03, solver: { rung: 'planar' } }));

@@ -25,6 +25,8 @@
 pub mod machine;
 /// Mathematics: integrators, spectra, special functions. Knows no bearing. Unstable: internal to the service.
 pub mod numerics;
+/// Signals at a varying speed: order spectra, order tracks, waterfalls. Unstable: internal to the service.
+pub mod orders;
 /// The bearing: contacts, bodies, forces. Knows no clock and no JSON. Its formulas are unstable: internal to the service.
 pub mod physics;
 /// A shaft on its supports, linear: natural frequencies, critical speeds, response. Unstable: internal to the service.

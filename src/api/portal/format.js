@@ -102,6 +102,15 @@ export function title(request) {
   return [name, speed, ...loads.filter(Boolean), ...varied].join(' · ');
 }
 
+/** Between two numbers of one field. */
+export const PAIR = ' to ';
+
+/** Two numbers with `to` or a dash between them; null if the text is none. */
+export function pairOf(text) {
+  const numbers = text.split(/\s*(?:to|[–…])\s*/).map((part) => (part.trim() === '' ? NaN : Number(plainNumber(part))));
+  return numbers.length === 2 && numbers.every(Number.isFinite) ? numbers : null;
+}
+
 /** A typed number with a point, without spaces between groups of digits. A comma that may separate thousands stays. */
 export function plainNumber(text) {
   const plain = text.trim().replaceAll(/(?<=\d)\s(?=\d{3})/g, '').replace('−', '-');

@@ -3,7 +3,7 @@
 
 import { h, options } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
-import { number, plainNumber, words } from './format.js';
+import { number, PAIR, pairOf, plainNumber, words } from './format.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
 
@@ -47,8 +47,8 @@ export class SceneForm {
     for (const spec of FIELDS) {
       const input = this.#inputs.get(spec.pointer);
       const value = this.#requested(spec);
-      if (!this.#unreadable.has(spec.pointer) && !(document.activeElement === input && same(input.value, value))) {
-        input.value = value === undefined ? '' : typeof value === 'object' ? 'profile' : String(value);
+      if (!this.#unreadable.has(spec.pointer) && !(document.activeElement === input && same(spec, input.value, value))) {
+        input.value = shown(spec, value);
       }
       input.closest('.field').classList.toggle('edited', value !== undefined);
     }
@@ -63,7 +63,7 @@ export class SceneForm {
         ? resolved.scene.lubricant?.kind
         : (read(resolved, spec.pointer) ?? (spec.derived && read(resolved, spec.derived)));
       if (input.tagName === 'SELECT') input.options[0].textContent = value ? `${words(value)} (default)` : 'automatic';
-      else input.placeholder = typeof value === 'number' ? number(value, 5).replaceAll('\u202f', '') : '';
+      else input.placeholder = [value].flat().every((one) => typeof one === 'number') ? [value].flat().map(plain).join(PAIR) : '';
     }
     this.surfaces.showDefaults(resolved);
   }
@@ -182,13 +182,19 @@ export class SceneForm {
     const isNumber = input.tagName === 'INPUT';
     const text = isNumber ? plainNumber(input.value) : input.value.trim();
     this.#unreadable.delete(spec.pointer);
-    if (isNumber && text !== '' && !Number.isFinite(Number(text))) {
+    if (spec.pair && text !== '' && !pairOf(input.value)) {
+      this.#unreadable.set(spec.pointer, 'These are not two numbers. Write, for example, 890 to 3500.');
+      this.onChange(this.job);
+      return;
+    }
+    if (isNumber && !spec.pair && text !== '' && !Number.isFinite(Number(text))) {
       const digits = /^\d{1,3}(,\d{3})+$/.test(text) ? `: a comma may separate thousands. Write ${text.replaceAll(',', '')} or ${text.replace(',', '.')}` : '';
       this.#unreadable.set(spec.pointer, `This is not a number${digits}.`);
       this.onChange(this.job);
       return;
     }
-    const value = text === '' ? undefined : isNumber ? Number(text) : text;
+    const entered = () => (spec.pair ? pairOf(input.value) : isNumber ? Number(text) : text);
+    const value = text === '' ? undefined : entered();
     const keep = spec.lubricants && typeof read(this.job, spec.pointer) === 'object' ? `${spec.pointer}/kind` : spec.pointer;
     this.#update(write(this.job, keep, value));
   }
@@ -226,5 +232,17 @@ export function symbol(text) {
     : null;
 }
 
+/** The text of a value in its field. */
+function shown(spec, value) {
+  if (value === undefined) return '';
+  if (spec.pair && Array.isArray(value)) return value.join(PAIR);
+  return typeof value === 'object' ? 'profile' : String(value);
+}
+
+const plain = (value) => number(value, 5).replaceAll('\u202f', '');
+
 /** Whether the text of a field already has the value: `500.` and `500` are equal. */
-const same = (text, value) => (text.trim() === '' ? value === undefined : Number(plainNumber(text)) === value);
+function same(spec, text, value) {
+  if (text.trim() === '') return value === undefined;
+  return spec.pair ? String(pairOf(text)) === String(value) : Number(plainNumber(text)) === value;
+}

@@ -105,13 +105,15 @@ export class Study {
   }
 
   #job() {
-    const { scene, solver, duration_s, settle_s } = this.request();
+    const { scene, solver, duration_s, settle_s, outputs } = this.request();
+    const { envelope, envelope_band_hz } = outputs ?? {};
     return {
       kind: 'study',
       scene,
       ...(solver && { solver }),
       ...(duration_s && { duration_s }),
       ...(settle_s !== undefined && { settle_s }),
+      ...((envelope || envelope_band_hz) && { outputs: { envelope, envelope_band_hz } }),
       axes: [
         {
           path: this.field.value.replace('/scene', ''),

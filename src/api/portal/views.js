@@ -24,6 +24,8 @@ const VIEWS = [
   ['acceleration', 'Acceleration'],
   ['loads', 'Ball loads'],
   ['impact', 'Impact'],
+  ['waterfall', 'Waterfall'],
+  ['orders', 'Orders'],
 ];
 const POINTS = 4000;
 
@@ -52,13 +54,19 @@ export class Views {
     if (!this.channels.includes(this.channel)) [this.channel] = this.channels;
     // Faults are found by the envelope: it stands beside the spectrum.
     this.kind = this.chosenKind ?? (job.request.scene?.surfaces ? 'both' : 'amplitude');
-    const hasImpact = Boolean(job.links.impact_svg);
-    const impact = this.element.querySelector('input[name=view][value=impact]');
-    impact.closest('label').hidden = !hasImpact;
-    if (this.view === 'impact' && !hasImpact) {
-      this.view = 'spectrum';
-      this.element.querySelector('input[name=view][value=spectrum]').checked = true;
-    }
+    // One shaft frequency says nothing about a run-up: it opens as a waterfall.
+    const isRunUp = Array.isArray(job.request.scene?.operation?.speed_rpm);
+    const exists = {
+      impact: Boolean(job.links.impact_svg),
+      waterfall: isRunUp || Boolean(job.links.waterfall_svg),
+      orders: isRunUp || Boolean(job.links.orders_svg),
+    };
+    const radio = (view) => this.element.querySelector(`input[name=view][value=${view}]`);
+    Object.entries(exists).forEach(([view, is]) => (radio(view).closest('label').hidden = !is));
+    if (exists[this.view] === false) this.view = 'spectrum';
+    if (isRunUp && this.view === 'spectrum' && this.opened !== job.id) this.view = 'waterfall';
+    this.opened = job.id;
+    radio(this.view).checked = true;
     this.stage.replaceChildren();
     await this.#draw();
   }
@@ -84,6 +92,7 @@ export class Views {
       if (view === 'spectrum') await this.#spectrum(signal);
       else if (view === 'loads') await this.#loads(signal);
       else if (view === 'impact') await this.#picture('impact', 'The acceleration of the spindle around its largest peak.', signal);
+      else if (view === 'waterfall' || view === 'orders') await this.#orders(view, signal);
       else await this.#motion(view, signal);
     } catch (error) {
       if (!signal.aborted) this.stage.replaceChildren(h('p', { class: 'error' }, error.message));
@@ -206,6 +215,23 @@ export class Views {
         ),
       );
     }
+  }
+
+  /** Waterfall or orders, which need kept series. */
+  async #orders(view, signal) {
+    if (!this.job.links[`${view}_svg`]) {
+      const { request } = this.job;
+      const again = () => this.rerun({ ...request, outputs: { ...request.outputs, orders: {} } });
+      this.stage.replaceChildren(
+        h('div', { class: 'empty' }, h('p', {}, 'This run kept no orders.'), button('Run again with orders', again)),
+      );
+      return;
+    }
+    const texts = {
+      waterfall: 'Spectra over the shaft speed, with labelled orders.',
+      orders: 'The mean order spectrum, and amplitudes of orders over the shaft speed.',
+    };
+    await this.#picture(view, texts[view], signal);
   }
 
   async #picture(view, text, signal) {

@@ -34,7 +34,7 @@ fn cell(value: &Value) -> String {
 }
 
 /// The text, in quotation marks where it contains commas, line ends or quotation marks.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
@@ -62,10 +62,21 @@ pub fn spectrum_csv(spectrum: &SpectrumAnswer) -> String {
     csv(heads("frequency_hz", &spectrum.channel, &spectrum.unit), [&spectrum.frequency_hz, &spectrum.amplitude])
 }
 
-/// The head of a NumPy array file, version 1.0, with records of `time_s` and `value`.
+/// The head of a NumPy array file with records of `time_s` and `value`.
 pub fn npy_head(count: usize) -> Vec<u8> {
-    let head =
-        format!("{{'descr': [('time_s', '<f8'), ('value', '<f8')], 'fortran_order': False, 'shape': ({count},), }}");
+    npy_head_of("[('time_s', '<f8'), ('value', '<f8')]", &format!("({count},)"))
+}
+
+/// A table of numbers in single precision as a NumPy array file.
+pub fn npy_table(rows: usize, columns: usize, values: impl Iterator<Item = f32>) -> Vec<u8> {
+    let mut bytes = npy_head_of("'<f4'", &format!("({rows}, {columns})"));
+    values.for_each(|value| bytes.extend(value.to_le_bytes()));
+    bytes
+}
+
+/// The head of a NumPy array file, version 1.0.
+fn npy_head_of(values: &str, shape: &str) -> Vec<u8> {
+    let head = format!("{{'descr': {values}, 'fortran_order': False, 'shape': {shape}, }}");
     // Magic number, version and length take ten bytes; the header ends in a line feed, at a multiple of 64 bytes.
     let padded = (10 + head.len() + 1).next_multiple_of(64) - 10;
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();

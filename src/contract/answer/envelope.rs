@@ -24,7 +24,8 @@ pub struct EnvelopeAnswer {
 /// Amplitudes at a rate and its multiples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HarmonicsAnswer {
-    /// At the rate, in the unit of the envelope; absent where a line of another rate hides the place.
+    /// At the rate, in the unit of the envelope; absent where a line of another rate hides the place, or the record is too short for a line of
+    /// its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub first: Option<f64>,

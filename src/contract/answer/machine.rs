@@ -32,8 +32,10 @@ pub struct MachineAnswer {
     pub bearings: BTreeMap<String, MachineBearingAnswer>,
     /// Natural motions of shaft and bearings, linear about the operating point, below 20 kHz.
     pub natural_frequencies: Vec<NaturalFrequencyAnswer>,
-    /// Whether every natural motion decays at the operating speed.
-    pub is_stable: bool,
+    /// Whether every natural motion decays at the operating speed; absent where supports and loaded bearings leave a motion free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub is_stable: Option<bool>,
     /// What was solved.
     pub model: MachineModelAnswer,
     /// How far the levels can be trusted.
@@ -159,7 +161,10 @@ impl From<MachineError> for RunFailure {
         let cause = match error {
             MachineError::Stopped(_) => return Self::Cancelled,
             MachineError::Diverged { .. } => SPINDLE_LEFT_BEARING,
-            MachineError::Rotor(_) | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
+            MachineError::Grows { .. }
+            | MachineError::TooManyModes(_)
+            | MachineError::Rotor(_)
+            | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
         };
         Self::Failed { cause, detail: error.to_string() }
     }
@@ -193,7 +198,7 @@ fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
             .iter()
             .map(|&(frequency_hz, damping_ratio)| NaturalFrequencyAnswer { frequency_hz, damping_ratio })
             .collect(),
-        is_stable: result.growth_rate.is_some_and(|rate| rate < 0.0),
+        is_stable: result.growth_rate.map(|rate| rate < 0.0),
         model: MachineModelAnswer {
             coordinates: result.coordinates as u64,
             states: result.states as u64,

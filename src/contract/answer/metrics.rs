@@ -120,7 +120,7 @@ pub struct ChannelAnswer {
     #[schema(nullable = false)]
     pub bands: Option<Vec<BandAnswer>>,
     /// Envelope at the rates of defects; accelerations with a resolved level at constant speed, where raceways are no ideal circles or balls
-    /// differ.
+    /// differ. Ideal bearings have none, because no fault modulates their envelope; `envelope_lines` are listed for them, too.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeAnswer>,

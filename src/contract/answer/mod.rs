@@ -10,6 +10,7 @@ pub mod views;
 
 pub mod machine;
 pub mod optimum;
+pub mod orders;
 pub mod ross;
 pub mod rotor;
 pub mod rotor_model;

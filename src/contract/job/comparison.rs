@@ -131,7 +131,8 @@ fn check_tolerances(tolerances: &[f64], defaults: &mut Defaults) {
 /// Refuses fields that belong to a simulation.
 fn refuse_fields_of_simulations(input: &JobInput, defaults: &mut Defaults) {
     let SolverInput { method, relative_tolerance, fixed_step_us, .. } = input.solver.clone().unwrap_or_default();
-    let OutputsInput { spectra, series, envelope_band_hz, envelope, .. } = input.outputs.clone().unwrap_or_default();
+    let OutputsInput { spectra, series, envelope_band_hz, envelope, orders, .. } =
+        input.outputs.clone().unwrap_or_default();
     let signals = "a job of kind `accuracy` keeps no signals";
     let fields = [
         ("/solver/method", method.is_some(), "a job of kind `accuracy` takes /methods"),
@@ -143,6 +144,7 @@ fn refuse_fields_of_simulations(input: &JobInput, defaults: &mut Defaults) {
         ("/solver/fixed_step_us", fixed_step_us.is_some(), "a job of kind `accuracy` compares runs with error control"),
         ("/outputs/spectra", spectra.is_some(), signals),
         ("/outputs/series", series.is_some(), signals),
+        ("/outputs/orders", orders.is_some(), signals),
         ("/outputs/envelope_band_hz", envelope_band_hz.is_some(), signals),
         ("/outputs/envelope", envelope.is_some(), signals),
         ("/reuse", input.reuse == Some(true), "a job of kind `accuracy` measures run time: its result is never reused"),

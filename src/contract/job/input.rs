@@ -37,7 +37,7 @@ pub struct JobInput {
     #[schema(nullable = false)]
     pub goal: Option<GoalName>,
     /// Recorded time, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
-    /// `accuracy`. With `outputs.series` at most 23.4 s; with more than 14 series at most 327.6 s divided by their number.
+    /// `accuracy`. With `outputs.series` or `outputs.orders` at most 23.4 s; with more than 14 series at most 327.6 s divided by their number.
     #[schema(nullable = false, example = 0.1)]
     pub duration_s: Option<f64>,
     /// Time simulated before recording begins [s]. Default: 3 cage turns, at least 0.02 and at most 1. At constant speed also until the free

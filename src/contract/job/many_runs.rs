@@ -18,7 +18,12 @@ pub fn already_varied(varied: &Varied, other: &Varied) -> String {
 pub fn refuse_signals(kind: JobKind, input: &JobInput, defaults: &mut Defaults) {
     let outputs = input.outputs.clone().unwrap_or_default();
     let keeps = |channels: Option<Vec<String>>| channels.is_some_and(|channels| !channels.is_empty());
-    for (pointer, given) in [("/outputs/spectra", keeps(outputs.spectra)), ("/outputs/series", keeps(outputs.series))] {
+    let signals = [
+        ("/outputs/spectra", keeps(outputs.spectra)),
+        ("/outputs/series", keeps(outputs.series)),
+        ("/outputs/orders", outputs.orders.is_some()),
+    ];
+    for (pointer, given) in signals {
         if given {
             defaults.refuse(
                 pointer,

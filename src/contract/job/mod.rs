@@ -21,6 +21,7 @@ pub mod input;
 pub mod kind;
 
 pub mod axis;
+pub mod orders;
 pub mod outputs;
 pub mod solver;
 mod times;

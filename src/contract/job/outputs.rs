@@ -5,8 +5,10 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::orders::{OrdersInput, turning_channels};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
+use crate::contract::json::shapes::optional_object;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::physics::spindle::{AxialHold, SpindleTilt};
 use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
@@ -33,6 +35,10 @@ pub struct OutputsInput {
     /// What the spectrum of the envelope is of. Default: `magnitude`.
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeName>,
+    /// Order spectra, order tracks and waterfalls, for a run whose speed varies. Default: none.
+    #[serde(default, deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub orders: Option<OrdersInput>,
 }
 
 /// `magnitude`: the envelope itself, in the channel's unit. `squared`: its square, in the square of the unit; the differences of a few tones
@@ -87,12 +93,13 @@ impl OutputsInput {
         let usual = USUAL_SPECTRA.map(str::to_owned).to_vec();
         let spectra = defaults.fill("/outputs/spectra", &mut self.spectra, usual);
         let series = defaults.fill("/outputs/series", &mut self.series, Vec::new());
+        let of_orders = self.orders.as_mut().map(|orders| orders.resolve_channels(defaults)).unwrap_or_default();
         let is_uneven = scene.is_some_and(|scene| !scene.surfaces.are_ideal());
         let envelope_harmonics = outputs.vibration && is_uneven;
         let has_spectra = envelope_harmonics || !spectra.is_empty();
         Outputs {
             spectra: channels(defaults, "/outputs/spectra", &spectra, scene),
-            series: channels(defaults, "/outputs/series", &series, scene),
+            series: with_orders(channels(defaults, "/outputs/series", &series, scene), &of_orders, defaults, scene),
             envelope_band: envelope_band(defaults, &mut self.envelope_band_hz),
             envelope: defaults.fill("/outputs/envelope", &mut self.envelope, EnvelopeName::Magnitude).into(),
             envelope_harmonics,
@@ -150,6 +157,24 @@ fn channels(defaults: &mut Defaults, pointer: &str, names: &[String], scene: Opt
         }
     }
     channels
+}
+
+/// The requested series, and those that an order analysis of channels needs.
+fn with_orders(
+    mut series: Vec<Channel>,
+    analysed: &[String],
+    defaults: &mut Defaults,
+    scene: Option<&Scene>,
+) -> Vec<Channel> {
+    let Some(scene) = scene.filter(|_| !analysed.is_empty()) else { return series };
+    for channel in
+        channels(defaults, "/outputs/orders/channels", analysed, Some(scene)).into_iter().chain(turning_channels(scene))
+    {
+        if !series.contains(&channel) {
+            series.push(channel);
+        }
+    }
+    series
 }
 
 /// The channel of that name in this scene, or the reason why there is none.

@@ -41,8 +41,12 @@ struct Reduced {
     without: &'static [&'static str],
 }
 
-const METRICS_ALONE: Reduced =
-    Reduced { field: "outputs", of: "OutputsInput", name: "MetricsOutputsInput", without: &["spectra", "series"] };
+const METRICS_ALONE: Reduced = Reduced {
+    field: "outputs",
+    of: "OutputsInput",
+    name: "MetricsOutputsInput",
+    without: &["spectra", "series", "orders"],
+};
 const MODEL_ALONE: Reduced = Reduced {
     field: "solver",
     of: "SolverInput",

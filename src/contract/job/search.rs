@@ -193,14 +193,18 @@ fn examples() -> String {
 /// The part of the metrics that contains a metric; `None` for an unknown one.
 fn part_of(metric: &str) -> Option<MetricsPart> {
     const OF_CHANNEL: [&str; 5] = ["rms", "peak", "crest_factor", "kurtosis", "above_band"];
-    const OF_RACEWAY: [&str; 6] = [
+    const OF_RACEWAY: [&str; 8] = [
         "max_load_n",
         "max_pressure_mpa",
         "min_contact_angle_deg",
         "max_contact_angle_deg",
         "max_slip_m_s",
         "min_film_thickness_um",
+        "mean_off_share",
+        "max_off_share",
     ];
+    const RATES: [&str; 5] = ["shaft", "cage", "ball_pass_outer", "ball_pass_inner", "double_ball_spin"];
+    const HARMONICS: [&str; 4] = ["first", "second", "third", "first_over_rms"];
     let parts: Vec<&str> = metric.strip_prefix('/')?.split('/').collect();
     let is_channel = |channel: &str| match &channel.split('.').collect::<Vec<_>>()[..] {
         ["spindle", axis, quantity] => {
@@ -215,6 +219,14 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
         ["channels", channel, name] if is_channel(channel) && OF_CHANNEL.contains(&name) => {
             Some(MetricsPart::Vibration)
         }
+        ["channels", channel, "envelope", rate, harmonic]
+            if is_channel(channel)
+                && channel.ends_with("acceleration")
+                && RATES.contains(&rate)
+                && HARMONICS.contains(&harmonic) =>
+        {
+            Some(MetricsPart::Vibration)
+        }
         ["contacts", "inner" | "outer", name] if OF_RACEWAY.contains(&name) => Some(MetricsPart::Contacts),
         ["contacts", "pocket", "max_load_n"]
         | ["kinematics", "cage_speed_hz" | "cage_slip" | "cage_slip_free_angle" | "ball_spin_hz"]
@@ -227,7 +239,12 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
 fn unavailable(metric: &str, scene: &Scene) -> Option<String> {
     let parts: Vec<&str> = metric.split('/').skip(1).collect();
     match parts[..] {
-        ["channels", name, _] => channel(name, scene).err(),
+        ["channels", _, "envelope", ..] | ["contacts", _, "mean_off_share" | "max_off_share"]
+            if scene.surfaces.are_ideal() =>
+        {
+            Some(format!("`{metric}` exists only with `surfaces` that are not ideal"))
+        }
+        ["channels", name, ..] => channel(name, scene).err(),
         ["contacts", "pocket", _] | ["cage", _] if scene.terms.get(Term::Cage) == TermChoice::Off => {
             Some(format!("`{metric}` exists only with a cage (/scene/terms/cage is off)"))
         }

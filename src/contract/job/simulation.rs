@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 
 use super::input::JobInput;
 use super::kind::JobKind;
+use super::orders::{OrderRequest, OrdersInput, RecordedTurns};
 use super::outputs::{OutputsInput, USUAL_SPECTRA};
 use super::solver::{Solver, SolverInput};
 use super::times;
@@ -91,6 +92,20 @@ impl Simulation {
         self.complete().to_string()
     }
 
+    /// The recorded turns.
+    pub fn recorded_turns(&self) -> RecordedTurns {
+        RecordedTurns::of(self.scene(), self.settings.settle, self.settings.duration)
+    }
+
+    /// An order analysis by the given settings, and by those of the request for the others. The pointers of errors are those of a request.
+    pub fn orders(&self, given: OrdersInput) -> Result<OrderRequest, Vec<FieldError>> {
+        let requested = self.submission.request.pointer("/outputs/orders").cloned();
+        let requested = requested.and_then(|orders| serde_json::from_value(orders).ok()).unwrap_or_default();
+        let mut defaults = Defaults::default();
+        let orders = given.or(requested).resolve(&self.recorded_turns(), &mut defaults);
+        orders.ok_or(defaults.errors)
+    }
+
     /// Canonical text of the same simulation with the usual spectra; its metrics are the same.
     pub fn canonical_with_usual_spectra(&self) -> String {
         let mut simulation = self.complete();
@@ -144,6 +159,9 @@ impl Draft {
         let settle = times::settle(&mut input.settle_s, times::default_settle(scene), defaults);
         let default_duration = times::default_duration(scene, settle);
         let duration = times::duration(&mut input.duration_s, default_duration, &outputs, defaults);
+        if let (Some(orders), Some(scene)) = (&mut input.outputs.get_or_insert_default().orders, scene) {
+            orders.resolve(&RecordedTurns::of(scene, settle, duration), defaults);
+        }
         let Solver { method, rung, mut relative_tolerance, mut tightened, model_tolerance_db, fixed_step } = solver;
         if !outputs.series.is_empty() {
             // No verification covers every value of a series.
@@ -290,6 +308,17 @@ fn check_ball_defects(
         }
     }
     Ok(())
+}
+
+/// Least and greatest magnitude of the shaft speed of a request [r/min]; `None` where it is constant.
+pub fn varying_speed_rpm(request: &Value) -> Option<[f64; 2]> {
+    let points = request.pointer("/scene/operation/speed_rpm")?.as_array()?;
+    let speeds: Vec<f64> = points.iter().filter_map(|point| point.get("rpm")?.as_f64()).collect();
+    let (first, has) = (*speeds.first()?, |sign: f64| speeds.iter().any(|speed| sign * speed > 0.0));
+    let most = speeds.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()));
+    let least =
+        if has(1.0) && has(-1.0) { 0.0 } else { speeds.iter().fold(most, |least, speed| least.min(speed.abs())) };
+    speeds.iter().any(|speed| *speed != first).then_some([least, most])
 }
 
 /// The field whose value the scene or the outputs exclude.

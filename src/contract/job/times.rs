@@ -60,7 +60,7 @@ pub fn duration(field: &mut Option<f64>, default: f64, outputs: &Outputs, defaul
     if !(DURATION.lowest..=longest).contains(&duration) {
         let mut detail = numbers::out_of_range(duration, DURATION.lowest, longest, false, DURATION.unit);
         if duration > longest && longest < DURATION.highest {
-            detail += ": /outputs/series would take more than 512 MiB";
+            detail += ": the kept series would take more than 512 MiB";
         }
         defaults.refuse("/duration_s", detail);
     }

@@ -106,6 +106,11 @@ const OPEN_PARTS: [&str; 3] = ["operation", "spindle", "terms"];
 /// Fields that decide the defaults of the whole part.
 const TYPE_FIELDS: [&str; 2] = ["kind", "law"];
 
+/// Index of an item in a JSON pointer: digits without a sign or a leading zero, so that an item has one name.
+fn index_of(token: &str) -> Option<usize> {
+    token.parse().ok().filter(|index: &usize| index.to_string() == token)
+}
+
 /// Sets a field of a scene. A part on the path that is a name or missing is replaced by the part with its defaults, from `complete`.
 /// Exceptions, in which only the field is given so that dependent defaults still follow from it: a bearing by name, the open parts,
 /// and a type field.
@@ -116,11 +121,11 @@ fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> 
     for (depth, token) in parents.iter().enumerate() {
         let parent = path.clone();
         path += &format!("/{}", escape(token));
-        filled = filled.and_then(|part| part.get(token).or_else(|| part.get(token.parse::<usize>().ok()?)));
+        filled = filled.and_then(|part| part.get(token).or_else(|| part.get(index_of(token)?)));
         let next = match at {
             Value::Object(fields) => fields.entry(token.as_str()).or_insert(Value::Null),
             Value::Array(items) => {
-                let item = token.parse::<usize>().ok().and_then(|index| items.get_mut(index));
+                let item = index_of(token).and_then(|index| items.get_mut(index));
                 item.ok_or_else(|| format!("`{parent}` has no item {token}"))?
             }
             _ => return Err(format!("`{parent}` is no object")),
@@ -149,7 +154,7 @@ fn set(scene: &mut Value, complete: &Value, tokens: &[String], value: Value) -> 
             fields.insert(field.clone(), value);
             Ok(())
         }
-        Value::Array(items) => match field.parse::<usize>().ok().and_then(|index| items.get_mut(index)) {
+        Value::Array(items) => match index_of(field).and_then(|index| items.get_mut(index)) {
             Some(item) => {
                 *item = value;
                 Ok(())

@@ -304,8 +304,8 @@ fn points_of(points: &[LoadPointInput], at: &str, is_moment: bool, defaults: &mu
     (defaults.errors.len() == known_errors).then_some(LoadCourse::Points(all))
 }
 
-/// Name in `physics`, field, value and unit of a number with limits.
-type LimitedField = (&'static str, &'static str, f64, Unit);
+/// Name of a parameter, field of the request, value and unit.
+type Given = (&'static str, &'static str, f64, Unit);
 
 /// The rate and the phase of a harmonic or rotating load with their fields; `None` after an error.
 fn rate(
@@ -313,7 +313,7 @@ fn rate(
     phase: &mut Option<f64>,
     at: &str,
     defaults: &mut Defaults,
-) -> Option<(LoadRate, f64, [LimitedField; 2])> {
+) -> Option<(LoadRate, f64, [Given; 2])> {
     let phase = defaults.fill(format!("{at}/phase_deg"), phase, 0.0);
     let of_phase = ("phase", "phase_deg", phase, DEG);
     let (rate, of_rate) = match (frequency, order) {

@@ -291,6 +291,13 @@ pub fn preload(
             defaults.refuse(format!("{at}/between"), "must be the names of two bearings");
             continue;
         };
+        for index in [one, other] {
+            let offset = inputs[index].outer_ring.and_then(|ring| ring.offset_um).and_then(|offset| offset.x);
+            if offset.is_some_and(|offset| offset != 0.0) {
+                let pointer = format!("/scene/bearings/{index}/outer_ring/offset_um/x");
+                defaults.refuse(pointer, "the preload sets the place of this ring along X");
+            }
+        }
         if inputs[one].faces == inputs[other].faces {
             defaults.refuse(format!("{at}/between"), "the bearings must face opposite directions");
             continue;

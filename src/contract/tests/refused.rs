@@ -165,7 +165,7 @@ fn impossible_jobs_are_refused() {
         (
             job(r#""duration_s":23.401,"outputs":{"series":["cage.speed"]}"#),
             "/duration_s",
-            "23.401 s: must be from 1e-6 to 23.4 s: /outputs/series would take more than 512 MiB",
+            "23.401 s: must be from 1e-6 to 23.4 s: the kept series would take more than 512 MiB",
         ),
         (job(r#""settle_s":-0.1"#), "/settle_s", "-0.1 s: must be from 0"),
         (job(r#""priority":5"#), "/priority", "5: must be from 1 to 4"),

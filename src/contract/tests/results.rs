@@ -67,7 +67,8 @@ fn every_spectrum_has_its_lines() {
     let largest = spectrum.amplitude.iter().copied().fold(0.0, f64::max);
     assert!((velocity[0].amplitude / largest - 1.0).abs() < 0.2, "{} {largest} mm/s", velocity[0].amplitude);
     assert!(!of("ball.1.inner.load").is_empty() && of("spindle.y.acceleration").is_empty(), "{lines:?}");
-    let svg = crate::plots::draw::pictures(&outcome).into_iter().find(|(name, _)| *name == "spectrum.svg").unwrap().1;
+    let svg =
+        crate::plots::draw::pictures(&outcome, false).into_iter().find(|(name, _)| *name == "spectrum.svg").unwrap().1;
     assert!(svg.contains(&velocity[0].label), "the picture names them");
 }
 

@@ -90,6 +90,29 @@ fn roughness_above_the_film_has_a_message() {
     assert_eq!(message(&of(2, 3, 5000.0), "rough-contact"), None);
 }
 
+/// The contact of the outer raceway averages orders beyond 1698 away, three times its first zero of 566; zero amplitudes need no message.
+#[test]
+fn a_given_wave_that_changes_nothing_has_a_message() {
+    let of = |surfaces: Value| resolved(surfaces, json!({}));
+    let waves = |orders: &[u32]| -> Value {
+        orders.iter().map(|order| json!({ "order": order, "amplitude_nm": 100 })).collect()
+    };
+    let answer = of(json!({ "outer": { "waviness": waves(&[8, 5000, 6000]) } }));
+    let stated = message(&answer, "waves-left-out").unwrap();
+    assert_eq!((&stated["order"], &stated["count"], &stated["severity"]), (&json!(5000), &json!(2), &json!("info")));
+    let text = stated["text"].as_str().unwrap();
+    assert!(text.contains("order 5000 on the outer raceway and 1 more changes nothing: the contact"), "{text}");
+    let fast = of(json!({ "inner": { "waviness": waves(&[1400]) } }));
+    assert!(message(&fast, "waves-left-out").unwrap()["text"].as_str().unwrap().contains("25600 Hz"), "{fast}");
+    let of_ball = of(json!({ "balls": [{ "ball": 2, "waviness": waves(&[50_000]) }] }));
+    assert!(message(&of_ball, "waves-left-out").unwrap()["text"].as_str().unwrap().contains("ball 2"), "{of_ball}");
+    let silent = json!([{ "order": 5000, "amplitude_nm": 0 }]);
+    let drawn = json!({ "amplitude_nm": 1, "to_order": 5000 });
+    for surfaces in [json!({ "waviness": waves(&[8]), "random_waviness": drawn }), json!({ "waviness": silent })] {
+        assert_eq!(message(&of(json!({ "outer": surfaces })), "waves-left-out"), None);
+    }
+}
+
 /// The result of a spall of a 6205 under 500 N at 1797 r/min, planar.
 fn simulated(outputs: Value) -> Simulated {
     let request = json!({ "kind": "simulation", "settle_s": 0.05, "duration_s": 0.1, "solver": { "rung": "planar" },

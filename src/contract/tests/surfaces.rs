@@ -289,6 +289,24 @@ fn a_study_varies_waves() {
     }
 }
 
+/// An item has one name: with two, both axes would vary the same field and one would have no effect.
+#[test]
+fn an_item_of_a_list_has_one_name() {
+    for item in ["00", "+0", "-1", "1", "18446744073709551616", ""] {
+        let request = json!({
+            "kind": "study",
+            "scene": {
+                "bearing": "6205", "operation": { "speed_rpm": 1797 },
+                "surfaces": { "outer": { "defects": [{ "length_mm": 0.3, "depth_um": 3 }] } }
+            },
+            "axes": [{ "path": format!("/surfaces/outer/defects/{item}/length_mm"), "values": [1, 2] }]
+        });
+        let refused = parse_job(request.to_string().as_bytes()).map(|_| ()).expect_err(item).to_string();
+        let expected = format!("/axes/0/path: `/surfaces/outer/defects` has no item {item}");
+        assert!(refused.contains(&expected), "{refused}");
+    }
+}
+
 /// Balls have defaults, and `resolve` tells each diameter, drawn or given. Ten turns of the cage are recorded.
 #[test]
 fn resolve_tells_of_balls() {

@@ -80,6 +80,11 @@ impl StoredSeries {
         &self.head.unit
     }
 
+    /// Number of values.
+    pub fn length(&self) -> usize {
+        self.head.length
+    }
+
     /// Time of a value since the start of the run [s].
     pub fn time(&self, place: usize) -> f64 {
         match &self.values {

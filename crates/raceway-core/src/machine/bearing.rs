@@ -30,6 +30,7 @@ impl BearingOnShaft {
     }
 
     /// Motion of the inner ring in the bearing's own axes, by displacements and velocities of the shaft at its place.
+    #[inline(always)]
     pub(crate) fn ring(&self, place: &[f64; 5], velocity: &[f64; 5]) -> SpindleState {
         let [x, y, z, about_y, about_z] = self.mounted.ring_pose(place, 0.0);
         let [vx, vy, vz, rate_y, rate_z] = self.mounted.wrench_on_shaft(velocity);

@@ -26,8 +26,8 @@ pub(crate) struct Loads {
 
 impl MachineDynamics {
     /// The equations of a machine with free modes up to `range` times the band of levels.
-    pub fn new(machine: &Machine, range: f64) -> Result<Self, MachineError> {
-        let frame = Frame::of(machine, range)?;
+    pub fn new(machine: &Machine, range: f64, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
+        let frame = Frame::of(machine, range, stop)?;
         let bearings = bearings(machine, &frame)?;
         Ok(Self { frame, bearings, speed: machine.speed.clone() })
     }
@@ -40,6 +40,7 @@ impl MachineDynamics {
     }
 
     /// Motion of the ring of a bearing, in its own axes, by the shaft's coordinates.
+    #[inline(always)]
     pub(crate) fn ring(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> SpindleState {
         let port = &self.frame.ports[bearing];
         self.bearings[bearing].ring(&port.of_place(place), &port.of_place(velocity))

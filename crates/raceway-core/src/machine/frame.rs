@@ -3,17 +3,20 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::input::{Machine, MachineError};
+use crate::numerics::lanes::LANES;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
 use crate::physics::spindle::unbalance_force;
 use crate::rotor::coordinates::Coordinates;
-use crate::rotor::input::{Rotor, RotorError};
+use crate::rotor::input::Rotor;
 use crate::rotor::system::System;
 use crate::simulation::recording::sampling::BAND;
 
 /// Elements of the first mesh over the length of the shaft, and the most of any.
 const FIRST_ELEMENTS: f64 = 16.0;
 const MOST_ELEMENTS: usize = 800;
+/// Most flexible modes in a plane: the eigenvalues of their system take seconds.
+const MOST_MODES: usize = 128;
 /// Change of a kept frequency by halved elements, below which a mesh is fine enough [-].
 const CONVERGED: f64 = 1e-4;
 
@@ -38,16 +41,20 @@ pub struct Frame {
     basis: DMatrix<f64>,
 }
 
-/// Rows of displacements over the coordinates.
+/// Displacements of a place by each coordinate, padded, so that one pass over the coordinates gives all of them.
 #[derive(Debug, Clone)]
-pub struct Rows([Vec<f64>; PORT]);
+pub struct Rows(Vec<[f64; LANES]>);
 
-/// A matrix `constant` + Ω `by_speed`; `None`: zero.
+/// A matrix `constant` + Ω `by_speed`.
 #[derive(Debug, Clone)]
 struct Coupling {
-    constant: Option<Vec<f64>>,
-    by_speed: Option<Vec<f64>>,
+    constant: Rest,
+    by_speed: Rest,
 }
+
+/// Rows of a matrix, each from its first entry to its last one that is not zero.
+#[derive(Debug, Clone)]
+struct Rest(Vec<(usize, Vec<f64>)>);
 
 /// Forces of an unbalance along Y and Z over the coordinates, by 1 N.
 #[derive(Debug, Clone)]
@@ -59,9 +66,11 @@ struct Plane {
 
 impl Frame {
     /// Free modes up to `range` times the band of levels.
-    pub fn of(machine: &Machine, range: f64) -> Result<Self, MachineError> {
+    ///
+    /// `stop` is polled for each mesh; true ends the analysis.
+    pub fn of(machine: &Machine, range: f64, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
         let rotor = &machine.rotor;
-        let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND)?;
+        let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND, stop)?;
         let system = System::of(rotor, mesh, count, &[rotor.speed])?;
         let size = system.coordinates.len();
         let own: Vec<f64> = system.coordinates.squares().collect();
@@ -96,12 +105,12 @@ impl Frame {
         });
         Ok(Self {
             velocity: Coupling {
-                constant: coupling(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
-                by_speed: coupling(&turned(system.gyroscopic())),
+                constant: Rest::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
+                by_speed: Rest::of(&turned(system.gyroscopic())),
             },
             place: Coupling {
-                constant: coupling(&turned(&(&stiffness - symmetric))),
-                by_speed: coupling(&turned(system.rotating())),
+                constant: Rest::of(&turned(&(&stiffness - symmetric))),
+                by_speed: Rest::of(&turned(system.rotating())),
             },
             ports: rotor.bearings.iter().map(|bearing| rows(bearing.at)).collect(),
             sensors: machine.sensors.iter().map(|sensor| rows(sensor.at)).collect(),
@@ -129,6 +138,7 @@ impl Frame {
     }
 
     /// Writes g: loads, unbalance and what couples coordinates, at an angle, speed and acceleration of the shaft.
+    #[inline(always)]
     pub fn forces(
         &self,
         (angle, speed, acceleration): (f64, f64, f64),
@@ -158,30 +168,38 @@ impl Frame {
 
 impl Rows {
     fn of(matrix: &DMatrix<f64>) -> Self {
-        Self(std::array::from_fn(|row| matrix.row(row).iter().copied().collect()))
+        let of = |column: usize| std::array::from_fn(|row| if row < PORT { matrix[(row, column)] } else { 0.0 });
+        Self((0..matrix.ncols()).map(of).collect())
     }
 
     /// Displacements, or velocities, of the place.
+    #[inline(always)]
     pub fn of_place(&self, coordinates: &[f64]) -> [f64; PORT] {
-        std::array::from_fn(|row| dot(&self.0[row], coordinates))
-    }
-
-    /// One displacement, or velocity, of the place.
-    pub fn row_of(&self, row: usize, coordinates: &[f64]) -> f64 {
-        dot(&self.0[row], coordinates)
+        // Two sums side by side: one would wait for itself with each coordinate.
+        let mut sums = [[0.0; LANES]; 2];
+        for (pair, values) in self.0.chunks(2).zip(coordinates.chunks(2)) {
+            for ((sum, by), value) in sums.iter_mut().zip(pair).zip(values) {
+                for lane in 0..LANES {
+                    sum[lane] += by[lane] * value;
+                }
+            }
+        }
+        std::array::from_fn(|row| sums[0][row] + sums[1][row])
     }
 
     /// Adds the forces on the coordinates of forces at the place.
+    #[inline(always)]
     pub fn add_forces(&self, wrench: &[f64; PORT], forces: &mut [f64]) {
-        for (row, value) in self.0.iter().zip(wrench) {
-            forces.iter_mut().zip(row).for_each(|(force, by)| *force += value * by);
+        let [x, y, z, about_y, about_z] = wrench;
+        for (force, by) in forces.iter_mut().zip(&self.0) {
+            *force += (x * by[0] + y * by[1]) + (z * by[2] + (about_y * by[3] + about_z * by[4]));
         }
     }
 
     /// Displacements of this place by forces at another, each coordinate with its weight.
     pub fn compliance(&self, other: &Self, weights: &[f64]) -> [[f64; PORT]; PORT] {
         let sum = |row: usize, column: usize| -> f64 {
-            self.0[row].iter().zip(&other.0[column]).zip(weights).map(|((a, b), weight)| a * b * weight).sum()
+            self.0.iter().zip(&other.0).zip(weights).map(|((a, b), weight)| a[row] * b[column] * weight).sum()
         };
         std::array::from_fn(|row| std::array::from_fn(|column| sum(row, column)))
     }
@@ -189,32 +207,51 @@ impl Rows {
 
 impl Coupling {
     /// Subtracts the product of the matrix at a speed with a vector.
+    #[inline(always)]
     fn subtract(&self, speed: f64, vector: &[f64], forces: &mut [f64]) {
-        let parts = [(&self.constant, 1.0), (&self.by_speed, speed)];
-        for (matrix, factor) in parts.into_iter().filter_map(|(matrix, factor)| Some((matrix.as_ref()?, factor))) {
-            for (force, row) in forces.iter_mut().zip(matrix.chunks_exact(vector.len())) {
-                *force -= factor * dot(row, vector);
-            }
+        self.constant.subtract(1.0, vector, forces);
+        self.by_speed.subtract(speed, vector, forces);
+    }
+}
+
+impl Rest {
+    fn of(matrix: &DMatrix<f64>) -> Self {
+        let row = |row: usize| {
+            let entries: Vec<f64> = matrix.row(row).iter().copied().collect();
+            let first = entries.iter().position(|entry| *entry != 0.0).unwrap_or_default();
+            let end = entries.iter().rposition(|entry| *entry != 0.0).map_or(first, |last| last + 1);
+            (first, entries[first..end].to_vec())
+        };
+        Self((0..matrix.nrows()).map(row).collect())
+    }
+
+    #[inline(always)]
+    fn subtract(&self, factor: f64, vector: &[f64], forces: &mut [f64]) {
+        for (force, (first, row)) in forces.iter_mut().zip(&self.0).filter(|(_, (_, row))| !row.is_empty()) {
+            *force -= factor * dot(row, &vector[*first..]);
         }
     }
 }
 
-/// Rows of a matrix; `None` where it is zero.
-fn coupling(matrix: &DMatrix<f64>) -> Option<Vec<f64>> {
-    (matrix.amax() > 0.0).then(|| matrix.transpose().iter().copied().collect())
-}
-
+/// Σ a b over the shorter length, in four sums side by side.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let mut sums = [0.0; 4];
+    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += a * b;
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 /// A mesh on which the free modes up to an angular frequency [rad/s] have converged, and their number in each plane.
-fn mesh(machine: &Machine, highest: f64) -> Result<(Mesh, usize), RotorError> {
+fn mesh(machine: &Machine, highest: f64, stop: &dyn Fn() -> bool) -> Result<(Mesh, usize), MachineError> {
     let mut longest = machine.rotor.shaft.length() / FIRST_ELEMENTS;
     let mut coarse: Option<Vec<f64>> = None;
     loop {
         let mesh = Mesh::new(&machine.rotor.shaft, &stations(machine), longest);
-        let (frequencies, count) = free_modes(&machine.rotor, &mesh, highest)?;
+        let (frequencies, count) = free_modes(&machine.rotor, &mesh, highest, stop)?;
         let is_close = |coarse: &Vec<f64>| {
             let kept = frequencies.iter().zip(coarse).take_while(|(fine, _)| **fine <= highest);
             kept.clone().count() > 0 && kept.clone().all(|(fine, coarse)| (fine - coarse).abs() <= CONVERGED * fine)
@@ -228,9 +265,20 @@ fn mesh(machine: &Machine, highest: f64) -> Result<(Mesh, usize), RotorError> {
 }
 
 /// Angular frequencies of the modes of a plane, rigid ones included, up to the first beyond `highest`, and the number of flexible ones.
-fn free_modes(rotor: &Rotor, mesh: &Mesh, highest: f64) -> Result<(Vec<f64>, usize), RotorError> {
+fn free_modes(
+    rotor: &Rotor,
+    mesh: &Mesh,
+    highest: f64,
+    stop: &dyn Fn() -> bool,
+) -> Result<(Vec<f64>, usize), MachineError> {
     let mut count = 4;
     loop {
+        if stop() {
+            return Err(MachineError::Stopped(0.0));
+        }
+        if count > MOST_MODES {
+            return Err(MachineError::TooManyModes(MOST_MODES));
+        }
         let coordinates = Coordinates::of(rotor, mesh.clone(), count)?;
         if coordinates.highest() >= highest {
             let frequencies = coordinates.frequencies();

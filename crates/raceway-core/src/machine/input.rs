@@ -65,6 +65,12 @@ pub enum MachineError {
     /// The motion has left every physical range.
     #[error("the motion diverges at t = {time:.6} s; {cause}")]
     Diverged { time: f64, cause: &'static str },
+    /// A motion grows by itself, so that levels would depend on the recorded time.
+    #[error("a motion grows by {rate:.3} 1/s at the operating speed: {cause}")]
+    Grows { rate: f64, cause: &'static str },
+    /// More modes of the shaft lie in the range than a run can carry.
+    #[error("the shaft has more than {0} modes in the range; give a lower mode_range")]
+    TooManyModes(usize),
     /// The caller no longer wants the result.
     #[error("stopped at t = {0:.6} s")]
     Stopped(f64),

@@ -2,10 +2,12 @@
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
+use super::frame::Rows;
 use super::input::Machine;
 use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
+use crate::numerics::lanes::{InstructionSet, Task};
 use crate::physics::frames::length;
 use crate::simulation::input::channel::{Axis, Motion};
 use crate::simulation::model::step_loads::PackedStepLoads;
@@ -57,6 +59,7 @@ pub(crate) struct Recorder<'m> {
     frame: Vec<f64>,
     signals: Vec<Vec<f64>>,
     bearings: Vec<BearingRecord>,
+    instructions: InstructionSet,
 }
 
 impl<'m> Recorder<'m> {
@@ -81,6 +84,7 @@ impl<'m> Recorder<'m> {
             oversampling,
             lead,
             samples: 0,
+            instructions: InstructionSet::best(),
             decimator,
         }
     }
@@ -134,28 +138,33 @@ impl<'m> Recorder<'m> {
     }
 
     fn gather(&mut self, stepper: &MachineStepper<'_>) {
+        self.instructions.run(Gather { recorder: self, stepper });
+    }
+
+    #[inline(always)]
+    fn gather_by(&mut self, stepper: &MachineStepper<'_>) {
         let [place, velocity, acceleration] = stepper.coordinates();
         let dynamics = self.dynamics;
         let frame = &dynamics.frame;
-        let of = |motion: Motion| match motion {
-            Motion::Displacement => place,
-            Motion::Velocity => velocity,
-            Motion::Acceleration => acceleration,
+        let at = |rows: &Rows| Moved {
+            displacement: rows.of_place(place),
+            velocity: rows.of_place(velocity),
+            acceleration: rows.of_place(acceleration),
         };
+        let rings: Vec<Moved> = frame.ports.iter().map(at).collect();
+        let sensors: Vec<Moved> = frame.sensors.iter().map(at).collect();
         let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };
         let speed = dynamics.speed.at(stepper.time()).1;
         for (value, channel) in self.frame.iter_mut().zip(&self.channels) {
             *value = match *channel {
-                MachineChannel::Ring(bearing, axis, motion) => frame.ports[bearing].row_of(axis as usize, of(motion)),
-                MachineChannel::Tilt(bearing, axis) => frame.ports[bearing].row_of(tilt(axis), place),
+                MachineChannel::Ring(bearing, axis, motion) => rings[bearing].of(motion)[axis as usize],
+                MachineChannel::Tilt(bearing, axis) => rings[bearing].displacement[tilt(axis)],
                 MachineChannel::Force(bearing, axis) => -stepper.wrench(bearing)[axis as usize],
                 MachineChannel::Moment(bearing, axis) => -stepper.wrench(bearing)[tilt(axis)],
                 MachineChannel::CageSpeed(bearing) => {
                     cage_speed(dynamics, bearing, stepper.bearings()[bearing].state(), speed)
                 }
-                MachineChannel::Sensor(sensor, motion) => {
-                    frame.sensors[sensor].row_of(self.sensors[sensor] as usize, of(motion))
-                }
+                MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor] as usize],
             };
         }
     }
@@ -200,6 +209,38 @@ impl MachineRecording {
     /// The values of a signal [SI]; none of a signal that was not recorded.
     pub fn of(&self, channel: MachineChannel) -> &[f64] {
         self.signals.iter().find(|(of, _)| *of == channel).map_or(&[], |(_, values)| values)
+    }
+}
+
+/// The frame of one step, compiled for each instruction set.
+struct Gather<'a, 'm, 's> {
+    recorder: &'a mut Recorder<'m>,
+    stepper: &'a MachineStepper<'s>,
+}
+
+impl Task for Gather<'_, '_, '_> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.recorder.gather_by(self.stepper);
+    }
+}
+
+/// Motion of a place of the shaft.
+struct Moved {
+    displacement: [f64; 5],
+    velocity: [f64; 5],
+    acceleration: [f64; 5],
+}
+
+impl Moved {
+    fn of(&self, motion: Motion) -> &[f64; 5] {
+        match motion {
+            Motion::Displacement => &self.displacement,
+            Motion::Velocity => &self.velocity,
+            Motion::Acceleration => &self.acceleration,
+        }
     }
 }
 

@@ -30,8 +30,6 @@ const CAGE_SETTLE_RANGE_S: [f64; 2] = [0.02, 1.0];
 /// Longest time that is repeated in half steps [s], and largest error of a level that needs no shorter step [dB].
 const REPEATED: f64 = 0.1;
 const ALLOWED_DB: f64 = 0.1;
-/// Growth over which a motion that grows by itself is named as the cause [1/s].
-const GROWS: f64 = 0.0;
 /// Share of the progress that the first run takes.
 const RUN_SHARE: f64 = 0.6;
 
@@ -41,7 +39,11 @@ pub fn simulate(
     settings: &MachineSettings,
     control: &Control<'_>,
 ) -> Result<MachineResult, MachineError> {
-    let dynamics = MachineDynamics::new(machine, settings.range)?;
+    let dynamics = MachineDynamics::new(machine, settings.range, control.stop)?;
+    if (control.stop)() {
+        return Err(MachineError::Stopped(0.0));
+    }
+    check_growth(machine, &dynamics, settings.duration)?;
     let start = start_state(machine, &dynamics)?;
     let settle = settings.settle.unwrap_or_else(|| settling_time(&dynamics));
     let run = Run { machine, dynamics: &dynamics, start: &start, settle };
@@ -53,7 +55,7 @@ pub fn simulate(
         let recorded =
             control.part((0.0, RUN_SHARE), |control| run.record(settings.duration, step, control, &mut work));
         let recording = match recorded {
-            Err(MachineError::Diverged { .. }) if may_shorten(step) && !dynamics.grows() => {
+            Err(MachineError::Diverged { .. }) if may_shorten(step) => {
                 step *= 0.5;
                 continue;
             }
@@ -121,8 +123,6 @@ impl Run<'_> {
             "balls of a bearing without a cage collide, which fixed steps do not resolve"
         } else if (0..self.dynamics.bearings.len()).all(is_held) {
             return Ok(());
-        } else if self.dynamics.grows() {
-            "damping that turns with the shaft drives its whirl at this speed (`shaft.rotating_share`)"
         } else {
             "no ball of a bearing holds the shaft any more, or the steps are too long"
         };
@@ -130,12 +130,19 @@ impl Run<'_> {
     }
 }
 
-impl MachineDynamics {
-    /// Whether a motion of the linear analysis grows at the operating speed.
-    pub fn grows(&self) -> bool {
-        let speed = self.speed.at(0.0).1;
-        self.frame.system.growth_rate(speed).is_ok_and(|rate| rate > GROWS)
+/// Refuses a motion of the linear analysis that would raise a level by more than the allowed error over the recorded time.
+fn check_growth(machine: &Machine, dynamics: &MachineDynamics, duration: f64) -> Result<(), MachineError> {
+    // Loose bearings have no linear motion.
+    let Ok(rate) = dynamics.frame.system.growth_rate(dynamics.speed.at(0.0).1) else { return Ok(()) };
+    if 20.0 * std::f64::consts::LOG10_E * rate * duration <= ALLOWED_DB {
+        return Ok(());
     }
+    let turns_along = machine.rotor.shaft.rotating_share > 0.0;
+    let cause = match turns_along {
+        true => "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)",
+        false => "a support pushes it (`supports`)",
+    };
+    Err(MachineError::Grows { rate, cause })
 }
 
 /// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times [s]. The run starts near its

@@ -8,6 +8,7 @@
 use super::equations::MachineDynamics;
 use super::propagator::{NODES, Propagator};
 use crate::numerics::dense::solve;
+use crate::numerics::lanes::{InstructionSet, Task};
 use crate::numerics::ode::adams::ahead;
 use crate::physics::statics::Matrix;
 use crate::simulation::model::dynamics::on_ring::{RingNode, RingStepper};
@@ -26,6 +27,8 @@ struct Forces {
     ports: Vec<f64>,
     /// All others, over the coordinates.
     rest: Vec<f64>,
+    /// Their sum over the coordinates.
+    sum: Vec<f64>,
 }
 
 /// A machine between two steps.
@@ -43,6 +46,7 @@ pub(crate) struct MachineStepper<'m> {
     known: usize,
     formulas: Formulas,
     evaluations: u64,
+    instructions: InstructionSet,
 }
 
 /// Constants of steps of one length through a number of known nodes.
@@ -87,8 +91,9 @@ impl<'m> MachineStepper<'m> {
         let mut rates = vec![0.0; state.len()];
         let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
         let on_shaft = dynamics.bearings.iter().zip(&loads.rings).flat_map(|(bearing, load)| bearing.on_shaft(load));
-        let mut forces = Forces { ports: on_shaft.collect(), rest: vec![0.0; size] };
+        let mut forces = Forces { ports: on_shaft.collect(), rest: vec![0.0; size], sum: Vec::new() };
         dynamics.frame.forces(dynamics.speed.at(time), place, velocity, &mut forces.rest);
+        forces.add_up(dynamics);
         let mut stepper = Self {
             bearings: dynamics.parts(state).into_iter().enumerate().map(ring).collect(),
             step: step / START as f64,
@@ -100,6 +105,7 @@ impl<'m> MachineStepper<'m> {
             known: 1,
             formulas: Formulas::new(dynamics, step / START as f64, 1),
             evaluations: 1,
+            instructions: InstructionSet::best(),
             dynamics,
         };
         stepper.build_past(step);
@@ -127,19 +133,18 @@ impl<'m> MachineStepper<'m> {
         self.formulas = Formulas::new(self.dynamics, step, NODES);
     }
 
-    /// One step.
+    /// One step, compiled for the processor's instructions.
     pub(crate) fn advance(&mut self) {
+        self.instructions.run(Step(self));
+    }
+
+    #[inline(always)]
+    fn advance_by(&mut self) {
         let end = self.time + self.step;
         let Self { dynamics, formulas, past, .. } = self;
         let frame = &dynamics.frame;
-        let ahead = |of: fn(&Forces) -> &Vec<f64>, index: usize| -> f64 {
-            formulas.ahead.iter().zip(past.iter()).map(|(weight, node)| weight * of(node)[index]).sum()
-        };
-        let mut new = Forces {
-            ports: (0..past[0].ports.len()).map(|k| ahead(|node| &node.ports, k)).collect(),
-            rest: (0..frame.len()).map(|k| ahead(|node| &node.rest, k)).collect(),
-        };
-        let nodes = [&new, &past[0], &past[1]].map(|node| over_coordinates(dynamics, node));
+        let mut new = Forces::ahead(&formulas.ahead, past);
+        let nodes = [&new.sum, &past[0].sum, &past[1].sum];
         let propagator = &formulas.propagator;
         for k in 0..frame.len() {
             let ([by_place, by_velocity, back, own], q, v) = (propagator.own[k], self.place[k], self.velocity[k]);
@@ -181,13 +186,12 @@ impl<'m> MachineStepper<'m> {
         self.add(&forces);
         std::mem::swap(&mut new.rest, &mut rest);
 
-        self.acceleration = over_coordinates(dynamics, &new);
+        new.add_up(dynamics);
+        self.acceleration.copy_from_slice(&new.sum);
         for (k, acceleration) in self.acceleration.iter_mut().enumerate() {
             *acceleration -= dynamics.frame.damping[k] * self.velocity[k] + dynamics.frame.squares[k] * self.place[k];
         }
-        for (index, stepper) in self.bearings.iter_mut().enumerate() {
-            stepper.finish(dynamics.ring(index, &self.place, &self.velocity));
-        }
+        self.bearings.iter_mut().for_each(RingStepper::finish);
         self.past.rotate_right(1);
         self.past[0] = new;
         self.time = end;
@@ -199,6 +203,7 @@ impl<'m> MachineStepper<'m> {
     }
 
     /// Adds the effect of additional forces on the coordinates at the new node.
+    #[inline(always)]
     fn add(&mut self, forces: &[f64]) {
         let Propagator { place, velocity, .. } = &self.formulas.propagator;
         for (k, force) in forces.iter().enumerate() {
@@ -230,13 +235,45 @@ impl<'m> MachineStepper<'m> {
     }
 }
 
-/// All forces over the coordinates.
-fn over_coordinates(dynamics: &MachineDynamics, forces: &Forces) -> Vec<f64> {
-    let mut sum = forces.rest.clone();
-    add_port_forces(dynamics, &forces.ports, &mut sum);
-    sum
+/// One step, compiled for each instruction set.
+struct Step<'a, 'm>(&'a mut MachineStepper<'m>);
+
+impl Task for Step<'_, '_> {
+    type Answer = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.advance_by();
+    }
 }
 
+impl Forces {
+    /// The forces at the next node, on the polynomial through the known ones.
+    #[inline(always)]
+    fn ahead(weights: &[f64; NODES], past: &[Self; NODES]) -> Self {
+        let combined = |[one, two, three]: [&Vec<f64>; NODES]| {
+            let mut next = vec![0.0; one.len()];
+            for (k, next) in next.iter_mut().enumerate() {
+                *next = weights[0] * one[k] + weights[1] * two[k] + weights[2] * three[k];
+            }
+            next
+        };
+        Self {
+            ports: combined(past.each_ref().map(|node| &node.ports)),
+            rest: combined(past.each_ref().map(|node| &node.rest)),
+            sum: combined(past.each_ref().map(|node| &node.sum)),
+        }
+    }
+
+    /// Forms the sum. It is formed anew from the forces at the ports in each step, so that its rounding does not grow.
+    #[inline(always)]
+    fn add_up(&mut self, dynamics: &MachineDynamics) {
+        self.sum.clone_from(&self.rest);
+        add_port_forces(dynamics, &self.ports, &mut self.sum);
+    }
+}
+
+#[inline(always)]
 fn add_port_forces(dynamics: &MachineDynamics, ports: &[f64], forces: &mut [f64]) {
     for (rows, wrench) in dynamics.frame.ports.iter().zip(ports.as_chunks::<PORT>().0) {
         rows.add_forces(wrench, forces);
@@ -244,6 +281,7 @@ fn add_port_forces(dynamics: &MachineDynamics, ports: &[f64], forces: &mut [f64]
 }
 
 /// Adds to the rows of a port the product of its matrix with the same rows of another matrix.
+#[inline(always)]
 fn add_product(sum: &mut [f64], first_row: usize, matrix: &Matrix, other: &[f64]) {
     let size = other.len().isqrt();
     for (row, entries) in matrix.iter().enumerate() {

@@ -78,7 +78,7 @@ fn motor_spindle() -> Machine {
 }
 
 fn started(machine: &Machine) -> (MachineDynamics, Vec<f64>) {
-    let dynamics = MachineDynamics::new(machine, RANGE).unwrap();
+    let dynamics = MachineDynamics::new(machine, RANGE, &|| false).unwrap();
     let state = start_state(machine, &dynamics).unwrap();
     (dynamics, state)
 }

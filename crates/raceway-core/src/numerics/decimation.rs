@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::special::{bessel_i0, sinc};
+use super::special::{kaiser, kaiser_beta, kaiser_length, sinc};
 
 /// Keeps every `factor`-th frame of several signals side by side, behind a low-pass filter.
 ///
@@ -109,23 +109,19 @@ fn weighed<const N: usize>(taps: &[f64], frames: &[f64]) -> [f64; N] {
     sums
 }
 
-/// Symmetric low-pass of gain 1 that passes `pass` and stops 1 − `pass`, both as shares of the output rate.
-///
-/// Kaiser, in Oppenheim & Schafer, Discrete-Time Signal Processing, eqs. (7.75), (7.76): β = 0.1102 (A − 8.7) for
-/// A > 50 dB, length (A − 8) / (2.285 Δω) + 1.
+/// Symmetric low-pass of gain 1 under a Kaiser window that passes `pass` and stops 1 − `pass`, both as shares of the output rate.
 fn low_pass(factor: usize, pass: f64, attenuation: f64) -> Vec<f64> {
     if factor == 1 {
         return vec![1.0];
     }
     let transition = TAU * (1.0 - 2.0 * pass) / factor as f64;
-    let half = ((attenuation - 8.0) / (2.285 * transition) / 2.0).ceil() as i64;
-    let beta = 0.1102 * (attenuation - 8.7);
+    let half = (kaiser_length(attenuation, transition) / 2.0).ceil() as i64;
+    let beta = kaiser_beta(attenuation);
     let mut taps: Vec<f64> = (-half..=half)
         .map(|i| {
             let x = i as f64 / half as f64;
-            let window = bessel_i0(beta * (1.0 - x * x).sqrt()) / bessel_i0(beta);
             // The middle of the transition is half the output rate.
-            window * sinc(i as f64 / factor as f64)
+            kaiser(beta, x) * sinc(i as f64 / factor as f64)
         })
         .collect();
     let gain: f64 = taps.iter().sum();

@@ -2,6 +2,7 @@
 
 /// Solves A x = b in place by elimination with partial pivoting; `matrix` holds the rows of A and is lost, `values` b and then x. Values that are
 /// not finite show a singular matrix.
+#[inline(always)]
 pub(crate) fn solve(matrix: &mut [f64], values: &mut [f64]) {
     let size = values.len();
     for column in 0..size {

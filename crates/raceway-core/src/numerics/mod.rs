@@ -18,6 +18,6 @@ pub(crate) mod quadratic_eigen;
 pub(crate) mod random;
 pub mod roots;
 pub mod rounding;
-mod special;
+pub(crate) mod special;
 pub mod spectrum;
 pub mod statistics;

@@ -22,6 +22,7 @@ pub use self::height::Height;
 pub(crate) use self::height::Rise;
 use self::narrow::NarrowDefect;
 use self::table::HeightTable;
+pub(crate) use self::table::path_over;
 use self::waviness::Wave;
 use crate::numerics::lanes::{Lanes, SideBySide};
 

@@ -69,6 +69,8 @@ pub enum Severity {
 ///
 /// `rough-contact`: The heights within a contact exceed its film, so that the surfaces touch, which is not modelled. Leave short waves out.
 ///
+/// `waves-left-out`: A given wave changes nothing: the contact averages it away, or it passes faster than the record shows. Leave it out.
+///
 /// `track-off-equator`: A ball rolls beside its equator, where its waves fade. Give lower orders, or reduce tilt and axial load.
 ///
 /// `merged-cage-lines`: Spectra do not separate lines that differ by the cage speed. Increase `duration_s`, or the speed.
@@ -99,6 +101,7 @@ pub enum MessageCode {
     MissedResonance,
     BridgedTroughs,
     RoughContact,
+    WavesLeftOut,
     TrackOffEquator,
     MergedCageLines,
     CandidateRejected,

@@ -8,6 +8,7 @@ use super::words::{field, listed, numbers, signed, time};
 use crate::contract::answer::resonance::envelope_band;
 use crate::contract::json::numbers::significant;
 use crate::contract::json::units::{DEG, NM};
+use raceway_core::physics::surface::waviness::{HIGHEST_FREQUENCY, Omission};
 use raceway_core::simulation::error::codes::{SurfacePart, Uncertainty, Warning};
 use raceway_core::simulation::error::comparison::SILENCE;
 use raceway_core::simulation::input::channel::Channel;
@@ -195,6 +196,18 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
                 significant(film, 3)
             );
             (MessageCode::RoughContact, text, numbers(&[("roughness_nm", roughness), ("film_nm", film)]))
+        }
+        Warning::WavesLeftOut { part, order, others, reason } => {
+            let reason = match reason {
+                Omission::Averaged => "the contact, which is wider than the waves, averages them away".to_owned(),
+                Omission::Fast => format!("they pass faster than {HIGHEST_FREQUENCY} Hz, the range of the record"),
+            };
+            let more = if *others > 0 { format!(" and {others} more") } else { String::new() };
+            let text = format!(
+                "The given wave of order {order} on {}{more} changes nothing: {reason}. `derived.surfaces` lists the orders that are left out.",
+                part_text(*part)
+            );
+            (MessageCode::WavesLeftOut, text, vec![("order", json!(order)), ("count", json!(others + 1))])
         }
         Warning::TrackOffEquator { ball, latitude, order } => {
             let degrees = DEG.to_user(*latitude);

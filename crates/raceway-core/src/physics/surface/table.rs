@@ -219,6 +219,18 @@ fn add_recess(knots: &mut [Knot], recess: &Recess) {
     }
 }
 
+/// Falls of a ball in the middle of the groove [m] and their curvatures along the raceway [1/m], from the middle of a defect to its foot: the
+/// path is even.
+pub(crate) fn path_over(recess: &Recess) -> impl Iterator<Item = (f64, f64)> {
+    let spacing = spacing_of(recess);
+    let knots = (recess.half_length() / spacing).ceil() as usize;
+    (0..=knots).map(move |knot| {
+        let at = |by: f64| -recess.height((knot as f64 + by) * spacing, 0.0);
+        let Knot { height, second, .. } = by_differences([-1.0, 0.0, 1.0].map(at));
+        (height, second / (spacing * spacing))
+    })
+}
+
 /// Path over a defect by the distance from its middle, as if the defect took the whole groove.
 #[derive(Debug)]
 pub(super) struct PathTable {

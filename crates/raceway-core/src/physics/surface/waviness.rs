@@ -364,7 +364,8 @@ impl AveragingContact {
         sin_cos(q).0 / q
     }
 
-    fn omission(&self, order: u32) -> Option<Omission> {
+    /// Reason why a wave of an order is not in the model; `None`: it is.
+    pub(crate) fn omission(&self, order: u32) -> Option<Omission> {
         let n = f64::from(order);
         if n > HIGHEST_OVER_ZERO * self.first_zero() || order > HIGHEST_ORDER {
             Some(Omission::Averaged)

@@ -2,6 +2,7 @@
 
 use crate::numerics::ode::Method;
 use crate::numerics::ode::stability::UnstableStep;
+use crate::physics::surface::waviness::Omission;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
@@ -177,6 +178,8 @@ pub enum Warning {
     BridgedTroughs { part: SurfacePart, order: u32, amplitude: f64, largest: f64 },
     /// Heights within the contact on a raceway, rms, exceed the minimum film [m].
     RoughContact { part: SurfacePart, roughness: f64, film: f64 },
+    /// A given wave of this order, and `others` of the same part, are not in the model.
+    WavesLeftOut { part: SurfacePart, order: u32, others: usize, reason: Omission },
     /// The contacts of a ball run at a latitude of it [rad]: waves above this order lose more than a warned error there.
     TrackOffEquator { ball: usize, latitude: f64, order: u32 },
     /// Spectra over a window [s] do not separate lines that differ by the cage speed [Hz]. A window is at most `longest` [s].
@@ -195,7 +198,13 @@ pub enum SurfacePart {
 impl Warning {
     /// True if it is no reason to doubt a number.
     pub fn is_remark(&self) -> bool {
-        matches!(self, Self::LaterWindowFailed(_) | Self::StationarityNotChecked { .. } | Self::MissedResonance { .. })
+        matches!(
+            self,
+            Self::LaterWindowFailed(_)
+                | Self::StationarityNotChecked { .. }
+                | Self::MissedResonance { .. }
+                | Self::WavesLeftOut { .. }
+        )
     }
 }
 

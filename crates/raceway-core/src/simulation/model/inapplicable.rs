@@ -23,7 +23,7 @@ pub enum Inapplicable {
     #[error("a ball has a defect (scene.surfaces.balls), which may part it from its raceways at any place")]
     BallDefects,
     #[error(
-        "a ball may leave its raceways over a defect (scene.surfaces.{ring}.defects): {load:.2} N press it there at rest, and it needs {needed:.2} N to follow the edge"
+        "a ball may leave its raceways over a defect (scene.surfaces.{ring}.defects): a contact has {load:.2} N there, and the path takes {needed:.2} N of them"
     )]
     BallLeavesDefect { ring: &'static str, load: f64, needed: f64 },
     #[error("an axial load acts")]

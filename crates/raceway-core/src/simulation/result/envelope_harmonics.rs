@@ -4,7 +4,8 @@ use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::physics::kinematics::CharacteristicFrequencies;
 use crate::simulation::result::lines::{TOLERANCE_BINS, TOLERANCE_SHARE};
 
-/// Amplitudes at the first three multiples of a rate, in the unit of the spectrum; `None` where a line of another rate hides the place.
+/// Amplitudes at the first three multiples of a rate, in the unit of the spectrum; `None` where a line of another rate hides the place, or the
+/// record is too short for a line so near to 0 Hz.
 pub type Harmonics = [Option<f64>; 3];
 
 /// Amplitudes of an envelope spectrum.
@@ -38,11 +39,16 @@ impl EnvelopeHarmonics {
 /// Half of the width of a line under the window of the spectra [bins].
 const HALF_LINE: usize = 2;
 
-/// Amplitude of the largest peak within the tolerance of a label that is nearer to this multiple of a rate than to those of the others, interpolated
-/// between bins. Without a peak it is the background, unless a peak of another rate is so near that its flank covers the place.
+/// Amplitude at a multiple of a rate; `None` where the flank of 0 Hz or a peak of another rate covers the place.
+///
+/// It is that of the largest peak within the tolerance of a label that is nearer to this multiple than to those of the other rates, interpolated
+/// between bins. Without such a peak it is the background.
 fn amplitude_at(spectrum: &Spectrum, rates: &[f64; 5], own: usize, frequency: f64) -> Option<f64> {
     let amplitude = &spectrum.amplitude;
     let middle = frequency / spectrum.resolution;
+    if middle < HALF_LINE as f64 {
+        return None;
+    }
     let reach = TOLERANCE_BINS + TOLERANCE_SHARE * middle;
     let last = amplitude.len().saturating_sub(2);
     let bins =
@@ -59,7 +65,7 @@ fn amplitude_at(spectrum: &Spectrum, rates: &[f64; 5], own: usize, frequency: f6
         return Some(interpolated_peak(spectrum, peak).1);
     }
     let nearest = (middle.round() as usize).clamp(1, last.max(1));
-    let is_hidden = bins(reach + HALF_LINE as f64).any(|bin| is_peak(&bin) && amplitude[bin] > amplitude[nearest]);
+    let is_hidden = bins(reach + HALF_LINE as f64).any(|bin| is_peak(&bin) && amplitude[bin] >= amplitude[nearest]);
     (!is_hidden).then(|| if middle > last as f64 { 0.0 } else { amplitude[nearest] })
 }
 
@@ -118,6 +124,30 @@ mod tests {
             assert!((found.ball_pass_outer[2].unwrap() / 0.2 - 1.0).abs() < 0.02, "{found:?}");
             assert_eq!(found.ball_pass_inner[1], None, "{found:?}");
             assert!(found.ball_pass_inner[0].unwrap() < 1e-3, "{found:?}");
+        }
+    }
+
+    /// Six bursts a second in a record of 0.2 s, whose bins are 5 Hz wide: no rate below 10 Hz has a line of its own, and the largest bin belongs to
+    /// none of them.
+    #[test]
+    fn a_short_record_has_no_lines_of_slow_rates() {
+        const RATE: f64 = 20_000.0;
+        let tau = std::f64::consts::TAU;
+        let value = |k: i32| {
+            let time = f64::from(k) / RATE;
+            (1.0 + 0.5 * (tau * 6.0 * time).cos()) * (tau * 1000.0 * time).cos()
+        };
+        let signal: Vec<f64> = (0..4_000).map(value).collect();
+        let frequencies = CharacteristicFrequencies {
+            shaft: 1.67,
+            cage: 0.66,
+            ball_pass_outer: 6.0,
+            ball_pass_inner: 9.0,
+            ball_spin: 3.9,
+        };
+        let found = EnvelopeHarmonics::of(&envelope_spectrum(&signal, RATE, (400.0, 1600.0)), &frequencies).unwrap();
+        for slow in [found.shaft[0], found.cage[0], found.ball_pass_outer[0], found.ball_pass_inner[0]] {
+            assert_eq!(slow, None, "{found:?}");
         }
     }
 }

@@ -6,7 +6,8 @@ use crate::physics::contact::film::{FilmConditions, minimum_film_thickness};
 use crate::physics::frames::Vector;
 use crate::physics::kinematics::ideal_frequencies;
 use crate::physics::raceway::RacewayContact;
-use crate::physics::surface::waviness::{KeptWave, SortedWaves};
+use crate::physics::surface::ball::BallSurface;
+use crate::physics::surface::waviness::{AveragingContact, KeptWave, Omission, RacewaySurface, SortedWaves, Wave};
 use crate::simulation::error::codes::{SurfacePart, Warning};
 use crate::simulation::error::thresholds::WARNED_ERROR_DB;
 use crate::simulation::input::scene::Scene;
@@ -33,6 +34,7 @@ pub fn surface_warnings(scene: &Scene, ideal: &Mechanism, settings: &RunSettings
     let mut found: Vec<Warning> = Vec::new();
     found.extend(bridged_troughs(&inner, &of_inner).or_else(|| bridged_troughs(&outer, &of_outer)));
     found.extend(rough_contact(scene, &inner, &of_inner).or_else(|| rough_contact(scene, &outer, &of_outer)));
+    found.extend(waves_left_out(scene, &raceways, &balls));
     found.extend(merged_cage_lines(scene, settings));
     found.extend(missed_resonance(scene, ideal, settings));
     found
@@ -82,6 +84,35 @@ fn too_curved(part: SurfacePart, contact: &RacewayContact, waves: &SortedWaves, 
     let most = waves.kept.iter().max_by(|a, b| of(a).total_cmp(&of(b))).filter(|_| all > limit)?;
     let largest = most.wave.amplitude * limit / all;
     Some(Warning::BridgedTroughs { part, order: most.wave.order, amplitude: most.wave.amplitude, largest })
+}
+
+/// The first part of which a given wave is not in the model. Drawn waves may end where they please.
+fn waves_left_out(
+    scene: &Scene,
+    raceways: &PerRaceway<AveragedSurface>,
+    balls: &[PerRaceway<AveragedBall>],
+) -> Option<Warning> {
+    let of = |part: SurfacePart, waves: &[Wave], contacts: &[&AveragingContact]| {
+        let given = waves.iter().filter(|wave| wave.amplitude != 0.0);
+        let reasons = |wave: &Wave| -> Option<Vec<Omission>> {
+            contacts.iter().map(|contact| contact.omission(wave.order)).collect()
+        };
+        let mut left_out = given.filter_map(|wave| Some((wave.order, *reasons(wave)?.first()?)));
+        let (order, reason) = left_out.next()?;
+        Some(Warning::WavesLeftOut { part, order, others: left_out.count(), reason })
+    };
+    let of_raceway = |part: SurfacePart, given: &RacewaySurface, averaged: &AveragedSurface| {
+        let contact = [&averaged.contact];
+        of(part, &given.waviness, &contact).or_else(|| of(part, &given.axial_waviness, &contact))
+    };
+    let of_ball = |(index, (given, averaged)): (usize, (&BallSurface, &PerRaceway<AveragedBall>))| {
+        let contacts = [&averaged.inner.contact, &averaged.outer.contact];
+        of(SurfacePart::Ball(index + 1), &given.waviness, &contacts)
+    };
+    let given = &scene.surfaces.raceway;
+    of_raceway(SurfacePart::Inner, &given.inner, &raceways.inner)
+        .or_else(|| of_raceway(SurfacePart::Outer, &given.outer, &raceways.outer))
+        .or_else(|| scene.surfaces.balls.iter().zip(balls).enumerate().find_map(of_ball))
 }
 
 /// A film that is thinner than the heights within the contact, those that averaging removes.

@@ -105,9 +105,9 @@ impl<'m> RingStepper<'m> {
         instructions.run(Advance { stepper: &mut self.0, ring })
     }
 
-    /// Ends the step with the motion of the ring that was found.
-    pub(crate) fn finish(&mut self, ring: SpindleState) {
-        self.0.end_step(ring);
+    /// Ends the step.
+    pub(crate) fn finish(&mut self) {
+        self.0.end_step();
     }
 
     /// Loads of the balls at the newest state, packed.
@@ -115,7 +115,7 @@ impl<'m> RingStepper<'m> {
         self.0.loads()
     }
 
-    /// The newest state of balls and cage, and of the ring behind it.
+    /// The newest state of balls and cage.
     pub(crate) fn state(&self) -> &[f64] {
         self.0.newest_state()
     }

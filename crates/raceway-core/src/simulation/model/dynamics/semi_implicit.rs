@@ -233,9 +233,8 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         (step.reaction.spindle, step.moment, step.resistance)
     }
 
-    /// Ends a step at a motion of the ring.
-    pub(super) fn end_step(&mut self, ring: SpindleState) {
-        self.nodes[0].spindle = ring;
+    /// Ends a step.
+    pub(super) fn end_step(&mut self) {
         self.count_step();
     }
 
