@@ -99,4 +99,23 @@ def case_resolve_describes_loads(running):
     verdict(described == expected, f"resolve describes each load: {described}")
 
 
+def case_uploaded_series(running):
+    """A harmonic load as values at 20 kHz gives its level. Longer steps, which err by 0.01 dB, are tried only under loads that repeat."""
+    rate, frequency = 20000, 300
+    values = [20 * math.sin(2 * math.pi * frequency * k / rate) for k in range(2 * rate)]
+    status, _, stored = running.request("POST", "/v1/series", {"rate_hz": rate, "values": values})
+    harmonic = {"direction": "y", "harmonic": {"amplitude_n": 20, "frequency_hz": frequency, "phase_deg": -90}}
+    series = {"direction": "y", "series": {"hash": stored.get("hash", "0" * 64)}}
+    levels = [level(metrics(running, turning([load]))) for load in (harmonic, series)]
+    verdict(status == 201 and abs(levels[0] - levels[1]) < 0.03, f"a harmonic load and its values have one level: {status} {levels} dB")
+
+
+def case_series_is_shown_and_deleted(running):
+    stored = running.request("POST", "/v1/series", {"rate_hz": 1000, "values": [0, 1, 0.5]})[2]
+    path = f"/v1/series/{stored.get('hash')}"
+    shown = running.request("GET", path)[2]
+    statuses = [running.request("DELETE", path)[0], running.request("GET", path)[0]]
+    verdict(shown.get("values") == 3 and statuses == [204, 404], f"a series is shown and deleted: {shown} {statuses}")
+
+
 run_cases(globals())

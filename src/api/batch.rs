@@ -16,7 +16,7 @@ use super::concurrency::RequestPermit;
 use super::credentials::Owner;
 use super::error::{ApiError, Problem};
 use super::job_response::JobAnswer;
-use super::openapi::{self, Anywhere, BadBody, NotAccepted};
+use super::openapi::{self, Anywhere, BadBody, NamesExpired, NotAccepted};
 use super::rate_limit::{JOBS, LeftPlaces, POINTS};
 use super::request::{JsonBody, NoQuery, Query, negotiated};
 use super::submission_headers::{IDEMPOTENT_REPLAYED, idempotency_key};
@@ -93,7 +93,7 @@ struct BatchHeaders {
         {"kind": "simulation", "scene": {"bearing": "6205", "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}}}
     ]})),
     responses((status = 200, description = "An answer for each job, in their order", body = BatchAnswer,
-        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))), BadBody, NotAccepted, Anywhere)
+        headers(("Idempotent-Replayed" = String, description = "`true` if an earlier request with this `Idempotency-Key` created the jobs"), ("RateLimit-Policy" = String, description = "Limits by name: `q` in `w` seconds, or `q` unfinished ones"), ("RateLimit" = String, description = "What is left of them: `r`, and `t` seconds until something is left again"))), NamesExpired, BadBody, NotAccepted, Anywhere)
 )]
 pub async fn submit(
     State(app): State<App>,
@@ -108,7 +108,8 @@ pub async fn submit(
     let key = idempotency_key(&headers)?;
     let key = key.map(|key| IdempotencyKey::of_batch(key, &body));
     // A scene takes some milliseconds to check, and there may be a thousand.
-    let jobs = computed(&permit, move |stop| contract::parse_batch(&body, stop)).await??;
+    let uploads = app.jobs.named_series(&owner.0, &body).await?;
+    let jobs = computed(&permit, move |stop| contract::parse_batch(&body, &uploads, stop)).await??;
     if credential.has_token() {
         app.access.rates.charge(&owner, jobs.iter().flatten().map(Job::cost).sum());
     }

@@ -382,6 +382,24 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             let detail = format!("a grid of {points} points: at most {limit} may be unfinished at a time");
             ApiError::from(Refusal::from(FieldError::new("/axes", detail))).status_and_problem()
         }
+        JobError::NoSeries => {
+            let detail = "the hash is unknown, or the series was deleted or belongs to another owner".into();
+            of(S::NOT_FOUND, "unknown-series", "There is no such series", detail)
+        }
+        JobError::SeriesExpired { hash, expired_at } => {
+            let detail = format!("the series {hash} expired at {expired_at:.0}; upload it again");
+            of(S::GONE, "series-expired", "The series has expired", detail)
+        }
+        JobError::SeriesInUse => {
+            let detail = "a queued or running job names the series; wait for its end, or cancel it".into();
+            of(S::CONFLICT, "conflict", "The series is in use", detail)
+        }
+        JobError::SeriesFull { used, limit } => {
+            let detail = format!(
+                "series of one owner may take {limit} bytes, and {used} are used; delete series that you do not need"
+            );
+            of(S::CONFLICT, "series-full", "Too many bytes of series are stored", detail)
+        }
         JobError::Stopping => {
             let detail = "accepted jobs are not lost; try again".into();
             of(S::SERVICE_UNAVAILABLE, "stopping", "The service is stopping", detail)

@@ -17,15 +17,19 @@ use super::error::ApiError;
 use super::jobs::ShowQuery;
 use super::list_query::ListQuery;
 use super::orders::{OrdersQuery, PNG, WaterfallQuery};
-use super::request::{JobId, JsonBody, NoQuery, PlotFile, Query, header, negotiated};
+use super::request::{
+    JobId, JsonBody, NoQuery, PlotFile, Query, SeriesBody, SeriesFormat, SeriesHash, header, negotiated,
+};
 use super::results::{SeriesQuery, SpectrumQuery};
 use super::rotor::{PYTHON, RossQuery};
 use super::routes::document;
 use super::stored_answer::{CSV, JSON, NPY, SVG};
 use super::submission_headers::{idempotency_key, preferred_wait};
+use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
 use super::{conditional, error_layers, plots, portal};
 use crate::contract::{
-    SeriesAnswer, SpectrumAnswer, SpectrumKind, parse_batch, parse_job, parse_rotor_request, parse_scene_request,
+    SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
+    parse_scene_request,
 };
 
 /// The service.
@@ -85,6 +89,8 @@ fn router() -> Router {
         .route("/v1/jobs/{id}/table", get(table))
         .route("/v1/jobs/{id}/rotor.py", get(rotor_script))
         .route("/v1/rotor", post(rotor))
+        .route("/v1/series", get(without_job).post(upload_series))
+        .route("/v1/series/{hash}", get(uploaded).delete(uploaded))
         .route("/v1/scenes/resolve", post(resolve))
         .route("/portal/{*file}", get(portal::file));
     for result in ["metrics", "channels", "accuracy", "optimum", "rotor", "machine"] {
@@ -118,7 +124,7 @@ async fn submit(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody)
 async fn batch(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     idempotency_key(&headers)?;
-    for error in parse_batch(&body, &|| false)?.into_iter().filter_map(Result::err) {
+    for error in parse_batch(&body, &Uploads::default(), &|| false)?.into_iter().filter_map(Result::err) {
         let (status, problem) = ApiError::from(error).problem();
         assert!(status.is_client_error() && !problem.detail.is_empty());
     }
@@ -135,6 +141,24 @@ async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) 
     negotiated(&headers, &[JSON])?;
     parse_rotor_request(&body)?;
     Ok(StatusCode::OK.into_response())
+}
+
+async fn upload_series(
+    headers: HeaderMap,
+    Query(SeriesUpload { rate_hz }): Query<SeriesUpload>,
+    SeriesBody(format, body): SeriesBody,
+) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    let samples = match format {
+        SeriesFormat::Json => uploaded_series::of_json(&body)?,
+        SeriesFormat::Csv => uploaded_series::of_csv(rate_hz, &body)?,
+    };
+    assert!(samples.values().iter().all(|value| value.is_finite()));
+    Ok(StatusCode::CREATED)
+}
+
+async fn uploaded(headers: HeaderMap, _: SeriesHash, _: Query<NoQuery>) -> Result<StatusCode, ApiError> {
+    negotiated(&headers, &[JSON]).map(|_| StatusCode::OK)
 }
 
 async fn rotor_script(headers: HeaderMap, _: JobId, _: Query<RossQuery>) -> Result<StatusCode, ApiError> {

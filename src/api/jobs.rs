@@ -29,7 +29,7 @@ use super::submission_headers::{
 };
 use super::{conditional, openapi};
 use crate::contract::job::input::JobInput;
-use crate::contract::{self, Job};
+use crate::contract::{self, Job, Uploads};
 use crate::jobs::{Cancelled, IdempotencyKey, JobError, JobRecord, Submitted};
 
 const JSON: &[&str] = &["application/json"];
@@ -70,7 +70,8 @@ pub async fn submit(
     negotiated(&headers, JSON)?;
     let wait = preferred_wait(&headers)?;
     let key = idempotency_key(&headers)?;
-    let job = parsed(&body, &permit).await?;
+    let uploads = app.jobs.named_series(&owner.0, &body).await?;
+    let job = parsed(&body, uploads, &permit).await?;
     let key = key.map(|key| IdempotencyKey::new(key, &job));
     if credential.has_token() {
         app.access.rates.charge(&owner, job.cost());
@@ -114,9 +115,9 @@ pub async fn submit(
 }
 
 /// The job of a body, checked on a thread that delays no other request: a short body can describe thousands of scenes.
-async fn parsed(body: &Bytes, permit: &RequestPermit) -> Result<Job, ApiError> {
+async fn parsed(body: &Bytes, uploads: Uploads, permit: &RequestPermit) -> Result<Job, ApiError> {
     let body = body.clone();
-    Ok(computed(permit, move |_| contract::parse_job(&body)).await??)
+    Ok(computed(permit, move |_| contract::parse_job_with(&body, &uploads)).await??)
 }
 
 /// List jobs

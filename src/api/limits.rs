@@ -3,5 +3,8 @@
 /// Largest body [B].
 pub const BODY_LIMIT: usize = 1 << 20;
 
+/// Largest body with an uploaded series [B].
+pub const SERIES_LIMIT: usize = 32 << 20;
+
 /// Largest request header, request line included [B].
 pub const HEADER_LIMIT: usize = 64 << 10;

@@ -52,6 +52,7 @@ mod results;
 mod rotor;
 mod scenes;
 mod studies;
+mod uploaded_series;
 
 /// Web pages of other origins.
 pub mod cors;

@@ -14,7 +14,7 @@ use utoipa::openapi::{ContentBuilder, OpenApi as Document, Ref, RefOr, Required,
 use utoipa::{IntoResponses, Modify, OpenApi};
 
 use super::error::{ApiError, PROBLEM_JSON, Problem};
-use super::limits::BODY_LIMIT;
+use super::limits::{BODY_LIMIT, SERIES_LIMIT};
 use super::submission_headers::wrong_wait;
 use crate::contract::job::machine::MachineInput;
 use crate::contract::job::schema;
@@ -119,6 +119,25 @@ problems! {
         "415" UnsupportedMediaType: "The body is not `application/json`" => [UnsupportedMediaType("send Content-Type: application/json".into())],
         "422" InvalidRequest: "The body is JSON but not a valid request; `errors` lists the invalid fields" => [Refused(wrong_diameter())],
     }
+    BadSeries {
+        "400" BadRequest: "The body is not JSON, or a header or the query is not valid" => [
+            Refused(Refusal::NotJson { detail: "expected `,` or `}` at line 3 column 5".into() }),
+            wrong_wait("1min"),
+        ],
+        "408" SlowBody: "The body did not arrive in time" => [SlowBody],
+        "409" SeriesFull: "The series of the owner would take too many bytes" => [Job(JobError::SeriesFull { used: 1_073_000_000, limit: 1_073_741_824 })],
+        "413" SeriesTooLarge: "The body is larger than 32 MiB" => [TooLarge { limit: SERIES_LIMIT }],
+        "415" SeriesMediaType: "The body is neither JSON nor CSV" => [UnsupportedMediaType("send Content-Type: application/json or text/csv".into())],
+        "422" WrongSeries: "The values or their rate are not valid" => [Refused(FieldError::new("/values", "1 values: must be from 2 to 2000000, all finite").into())],
+    }
+    NoSeries {
+        "404" UnknownSeries: "There is no such series, or it belongs to another owner" => [Job(JobError::NoSeries)],
+        "410" SeriesExpired: "The series has expired" => [expired_series()],
+    }
+    NamesExpired {
+        "410" NamedSeriesExpired: "A load names a series that has expired" => [expired_series()],
+    }
+    SeriesInUse { "409" SeriesInUse: "An unfinished job names the series" => [Job(JobError::SeriesInUse)] }
     BadRange { "416" BadRange: "`Range` begins behind the end of the file" => [Unsatisfiable { length: 163_968 }] }
     BadQuery { "400" BadQuery: "The query is not valid" => [BadRequest("query: limit 0: must be 1 to 200".into())] }
     NoJob {
@@ -139,7 +158,7 @@ problems! {
         ],
         "410" JobExpired: "The job has expired; `job` has its last state" => [expired()],
     }
-    KeyExpired { "410" JobExpired: "The job has expired; `job` has its last state" => [expired()] }
+    KeyExpired { "410" SubmissionExpired: "The job of the key has expired, and `job` has its last state; or a load names a series that has expired" => [expired(), expired_series()] }
     NoResult {
         "409" NoResult: "`result-not-ready`: the job has not ended; try again. `no-result`: the job failed, was cancelled, or is of a kind without such a result" => [
             Job(JobError::NotReady(Status::Running)),
@@ -168,6 +187,12 @@ fn expired() -> ApiError {
         finished_at: at,
         expired_at,
     })))
+}
+
+fn expired_series() -> ApiError {
+    let expired_at = jiff::Timestamp::UNIX_EPOCH.saturating_add(jiff::SignedDuration::from_secs(1_769_817_600));
+    let hash = "0f".repeat(32);
+    ApiError::Job(JobError::SeriesExpired { hash, expired_at: expired_at.unwrap_or_default() })
 }
 
 fn wrong_diameter() -> Refusal {

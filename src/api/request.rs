@@ -18,7 +18,9 @@ use uuid::Uuid;
 
 use super::concurrency::{Concurrency, RequestPermit};
 use super::error::ApiError;
-use super::limits::{BODY_LIMIT, HEADER_LIMIT};
+use super::limits::{BODY_LIMIT, HEADER_LIMIT, SERIES_LIMIT};
+use crate::contract::is_content_hash;
+use crate::jobs::JobError;
 
 /// Layer that refuses long headers. The limit of hyper applies to its buffer, which may hold twice as much.
 pub async fn limit_header(request: Request, next: Next) -> Result<Response, ApiError> {
@@ -40,20 +42,51 @@ impl<S: Sync> FromRequest<S> for JsonBody {
 
     async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
         check_media_type(request.headers())?;
-        let announced = header(request.headers(), &CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
-        if announced.is_some_and(|length| length > BODY_LIMIT) {
-            return Err(ApiError::TooLarge { limit: BODY_LIMIT });
-        }
-        let (mut parts, body) = request.into_parts();
-        let Ok(permit) = RequestPermit::from_request_parts(&mut parts, state).await;
-        // A slow client must not occupy the permit of another request.
-        permit.release();
-        let body = tokio::time::timeout(BODY_TIMEOUT, read(body, permit.concurrency()))
-            .await
-            .unwrap_or(Err(ApiError::SlowBody))?;
-        permit.acquire()?;
-        Ok(Self(Bytes::from_owner(body)))
+        whole_body(request, state, BODY_LIMIT).await.map(Self)
     }
+}
+
+/// Format of an uploaded series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SeriesFormat {
+    Json,
+    Csv,
+}
+
+/// A body with an uploaded series. It holds its permits until it is dropped.
+pub struct SeriesBody(pub SeriesFormat, pub Bytes);
+
+impl<S: Sync> FromRequest<S> for SeriesBody {
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, state: &S) -> Result<Self, ApiError> {
+        let format = match media_type(request.headers())? {
+            Some(name) if name.eq_ignore_ascii_case("application/json") => SeriesFormat::Json,
+            Some(name) if name.eq_ignore_ascii_case("text/csv") => SeriesFormat::Csv,
+            _ => {
+                let detail = "send Content-Type: application/json or text/csv";
+                return Err(ApiError::UnsupportedMediaType(detail.to_owned()));
+            }
+        };
+        Ok(Self(format, whole_body(request, state, SERIES_LIMIT).await?))
+    }
+}
+
+/// The body of a request, of at most `limit` bytes.
+async fn whole_body<S: Sync>(request: Request, state: &S, limit: usize) -> Result<Bytes, ApiError> {
+    let announced = header(request.headers(), &CONTENT_LENGTH).and_then(|length| length.parse::<usize>().ok());
+    if announced.is_some_and(|length| length > limit) {
+        return Err(ApiError::TooLarge { limit });
+    }
+    let (mut parts, body) = request.into_parts();
+    let Ok(permit) = RequestPermit::from_request_parts(&mut parts, state).await;
+    // A slow client must not occupy the permit of another request.
+    permit.release();
+    let body = tokio::time::timeout(BODY_TIMEOUT, read(body, permit.concurrency(), limit))
+        .await
+        .unwrap_or(Err(ApiError::SlowBody))?;
+    permit.acquire()?;
+    Ok(Bytes::from_owner(body))
 }
 
 /// A body with its permits.
@@ -69,12 +102,12 @@ impl AsRef<[u8]> for HeldBody {
 }
 
 /// Reads a body. Only bytes that have arrived need permits, whatever length was announced.
-async fn read(body: Body, concurrency: &Concurrency) -> Result<HeldBody, ApiError> {
-    let mut body = Limited::new(body, BODY_LIMIT);
+async fn read(body: Body, concurrency: &Concurrency, limit: usize) -> Result<HeldBody, ApiError> {
+    let mut body = Limited::new(body, limit);
     let mut held = HeldBody { bytes: Vec::new(), permits: Vec::new() };
     while let Some(frame) = body.frame().await {
         let frame = frame.map_err(|error| match error.is::<LengthLimitError>() {
-            true => ApiError::TooLarge { limit: BODY_LIMIT },
+            true => ApiError::TooLarge { limit },
             false => ApiError::BadRequest("the body ended too early".into()),
         })?;
         let Some(bytes) = frame.data_ref() else { continue };
@@ -98,16 +131,19 @@ impl HeldBody {
 
 /// Refuses other media types than JSON: a form on a foreign page can send text/plain without a preflight request, but not JSON.
 fn check_media_type(headers: &HeaderMap) -> Result<(), ApiError> {
-    let refuse = |detail: &str| Err(ApiError::UnsupportedMediaType(detail.to_owned()));
-    let media_type = header(headers, &CONTENT_TYPE).map(|value| value.split(';').next().unwrap_or_default().trim());
-    match media_type {
-        Some(media_type) if media_type.eq_ignore_ascii_case("application/json") => {}
-        _ => return refuse("send Content-Type: application/json"),
+    match media_type(headers)? {
+        Some(media_type) if media_type.eq_ignore_ascii_case("application/json") => Ok(()),
+        _ => Err(ApiError::UnsupportedMediaType("send Content-Type: application/json".to_owned())),
     }
+}
+
+/// The media type of a body without encoding.
+fn media_type(headers: &HeaderMap) -> Result<Option<&str>, ApiError> {
     match header(headers, &CONTENT_ENCODING) {
-        None | Some("identity") => Ok(()),
-        Some(_) => refuse("send the body without Content-Encoding"),
+        None | Some("identity") => {}
+        Some(_) => return Err(ApiError::UnsupportedMediaType("send the body without Content-Encoding".to_owned())),
     }
+    Ok(header(headers, &CONTENT_TYPE).map(|value| value.split(';').next().unwrap_or_default().trim()))
 }
 
 /// A header as text.
@@ -174,6 +210,18 @@ impl<S: Send + Sync> FromRequestParts<S> for JobId {
         // Only the form in which ids are issued: another form would be a second address of the same job.
         let parsed: Uuid = id.parse().map_err(|_| ApiError::UnknownJob)?;
         if parsed.to_string() == id { Ok(Self(parsed)) } else { Err(ApiError::UnknownJob) }
+    }
+}
+
+/// The content hash of a series in the path; a text of another form is an unknown series.
+pub struct SeriesHash(pub String);
+
+impl<S: Send + Sync> FromRequestParts<S> for SeriesHash {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
+        let hash = segment(parts, state, "hash").await.filter(|hash| is_content_hash(hash.as_bytes()));
+        hash.map(Self).ok_or(ApiError::Job(JobError::NoSeries))
     }
 }
 

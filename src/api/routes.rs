@@ -22,7 +22,7 @@ use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
     auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders, plots, portal,
-    request, request_id, results, rotor, scenes, studies,
+    request, request_id, results, rotor, scenes, studies, uploaded_series,
 };
 
 /// Every documented route.
@@ -37,6 +37,8 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .merge(result_routes(app))
         .routes(routes!(scenes::resolve))
         .routes(routes!(scenes::presets))
+        .routes(routes!(uploaded_series::upload, uploaded_series::list))
+        .routes(routes!(uploaded_series::show, uploaded_series::delete))
         .routes(routes!(rotor::analyse))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))

@@ -1,17 +1,20 @@
 //! Scenes before they run: defaults, derived quantities, and presets.
 
 use axum::Json;
+use axum::extract::State;
 use axum::http::HeaderMap;
 use utoipa::ToSchema;
 
+use super::app::App;
 use super::computation::computed;
 use super::concurrency::RequestPermit;
+use super::credentials::Owner;
 use super::error::ApiError;
-use super::openapi::{self, Anywhere, BadBody, BadQuery, NotAccepted};
+use super::openapi::{self, Anywhere, BadBody, BadQuery, NamesExpired, NotAccepted};
 use super::request::{JsonBody, NoQuery, Query, negotiated};
 use crate::contract::scene::presets::PresetsAnswer;
 use crate::contract::scene::scene_input::SceneInput;
-use crate::contract::{ResolveAnswer, parse_scene_request, presets_answer, resolve_answer};
+use crate::contract::{ResolveAnswer, parse_scene_request_with, presets_answer, resolve_answer};
 
 /// A scene, or a whole job.
 #[derive(ToSchema)]
@@ -28,16 +31,20 @@ struct SceneRequest {
 #[utoipa::path(
     post, path = "/v1/scenes/resolve", tag = openapi::SCENES, operation_id = "resolveScene",
     request_body(content = SceneRequest, content_type = "application/json", example = json!({"scene": {"bearing": "6205", "operation": {"speed_rpm": 6000, "radial_load_y_n": 500}}})),
-    responses((status = 200, description = "The resolved scene", body = ResolveAnswer), BadBody, NotAccepted, Anywhere)
+    responses((status = 200, description = "The resolved scene", body = ResolveAnswer), NamesExpired, BadBody, NotAccepted, Anywhere)
 )]
 pub async fn resolve(
+    State(app): State<App>,
+    Owner(owner): Owner,
     headers: HeaderMap,
     permit: RequestPermit,
     _: Query<NoQuery>,
     JsonBody(body): JsonBody,
 ) -> Result<Json<ResolveAnswer>, ApiError> {
     negotiated(&headers, &["application/json"])?;
-    let resolved = computed(&permit, move |_| parse_scene_request(&body).map(|job| resolve_answer(&job)));
+    let uploads = app.jobs.named_series(&owner, &body).await?;
+    let resolved =
+        computed(&permit, move |_| parse_scene_request_with(&body, &uploads).map(|job| resolve_answer(&job)));
     Ok(Json(resolved.await??.ok_or(ApiError::Internal)?))
 }
 

@@ -17,7 +17,7 @@ use super::openapi::{
 use super::request::{JobId, NoQuery, Query, negotiated};
 use super::stored_answer::{CSV, JSON, formatted, json_text, read, respond};
 use crate::contract::answer::csv;
-use crate::contract::{self, Job, PointEnd, PointStatus, Row, TableAnswer};
+use crate::contract::{self, Job, PointEnd, PointStatus, Row, TableAnswer, Uploads};
 use crate::jobs::{JobError, StoredPoint, decompressed};
 
 /// Get the table of a study
@@ -82,7 +82,7 @@ pub async fn resume(
 
 /// The table of a study from its request and its stored points.
 pub fn table_of(request: &str, points: Vec<StoredPoint>) -> Result<TableAnswer, ApiError> {
-    let study = contract::parse_job(request.as_bytes()).ok().and_then(Job::into_study);
+    let study = contract::parse_job_with(request.as_bytes(), &Uploads::stand_in()).ok().and_then(Job::into_study);
     let study = study.ok_or_else(|| JobError::Corrupt("the request of a study".into()))?;
     let mut rows = Vec::with_capacity(points.len());
     for point in points {

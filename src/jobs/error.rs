@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::io::ErrorKind;
 
+use jiff::Timestamp;
+
 use super::job::{ExpiredJob, Status};
 
 /// Reason why a request about jobs failed.
@@ -46,6 +48,16 @@ pub enum JobError {
     /// A study has more points than its owner may have unfinished: it would never be accepted.
     #[error("{points} points are more than {limit}")]
     StudyTooLarge { points: usize, limit: u64 },
+    #[error("there is no such series")]
+    NoSeries,
+    /// The values of the series are gone.
+    #[error("the series {hash} expired at {expired_at:.0}")]
+    SeriesExpired { hash: String, expired_at: Timestamp },
+    #[error("an unfinished job names the series")]
+    SeriesInUse,
+    /// The series of an owner would take more than `limit` bytes.
+    #[error("{used} bytes of {limit} are used")]
+    SeriesFull { used: i64, limit: i64 },
     #[error("the service is stopping")]
     Stopping,
     #[error("no space is left for the database")]

@@ -73,3 +73,4 @@ pub use store::results::Fingerprint;
 pub use store::series_reader::StoredSeries;
 pub use store::signal::Signal;
 pub use store::studies::StoredPoint;
+pub use store::uploaded_series::{BYTES_OF_OWNER, PackedSeries, UploadedSeries};

@@ -20,8 +20,9 @@ use super::store::series_reader::StoredSeries;
 use super::store::signal::Signal;
 use super::store::studies::{self, StoredPoint};
 use super::store::tokens::Token;
+use super::store::uploaded_series::{PackedSeries, UploadedSeries};
 use super::store::{maintenance, removal, submissions};
-use crate::contract::{Job, JobKind, SpectrumAnswer, SpectrumKind};
+use crate::contract::{Job, JobKind, SpectrumAnswer, SpectrumKind, Uploads, named_series};
 
 /// Longest time that a readiness probe waits for the database.
 const PING_TIMEOUT: Duration = Duration::from_secs(2);
@@ -63,6 +64,39 @@ impl Jobs {
         }
         self.parts.check_file_in_place()?;
         self.parts.store.note(in_time(self.parts.intake.submit(NewJob::new(job, owner, key))).await)
+    }
+
+    /// Stores a series of an owner; it is on disk when this returns.
+    pub async fn add_series(&self, owner: &str, series: &PackedSeries) -> Result<UploadedSeries, JobError> {
+        if self.is_stopping() {
+            return Err(JobError::Stopping);
+        }
+        self.parts.check_file_in_place()?;
+        self.parts.store.note(in_time(self.parts.store.add_series(owner, series)).await)
+    }
+
+    /// A series of an owner.
+    pub async fn uploaded_series(&self, owner: &str, hash: &str) -> Result<UploadedSeries, JobError> {
+        in_time(self.parts.store.series_of_load(owner, hash)).await
+    }
+
+    /// The series of an owner, newest first.
+    pub async fn all_series(&self, owner: &str) -> Result<Vec<UploadedSeries>, JobError> {
+        in_time(self.parts.store.all_series(owner)).await
+    }
+
+    /// Removes a series that no unfinished job names.
+    pub async fn delete_series(&self, owner: &str, hash: &str) -> Result<(), JobError> {
+        self.parts.store.note(in_time(self.parts.store.delete_series(owner, hash)).await)
+    }
+
+    /// The series of an owner that a request names.
+    pub async fn named_series(&self, owner: &str, request: &[u8]) -> Result<Uploads, JobError> {
+        let hashes = named_series(request);
+        if hashes.is_empty() {
+            return Ok(Uploads::default());
+        }
+        self.parts.store.note(in_time(self.parts.store.named_series(owner, &hashes)).await)
     }
 
     /// A job with its current progress.

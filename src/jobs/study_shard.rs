@@ -52,7 +52,8 @@ impl Worker {
             return Ok(DeliveryOutcome::Done);
         };
         // Parsing a large request takes some time.
-        let job = tokio::task::spawn_blocking(move || contract::parse_job(request.as_bytes()).ok());
+        let uploads = self.uploads(&shard.owner, Some(&request)).await?;
+        let job = tokio::task::spawn_blocking(move || contract::parse_job_with(request.as_bytes(), &uploads).ok());
         let Some(study) = job.await.ok().flatten().and_then(Job::into_study) else {
             return Err(JobError::Corrupt(format!("the request of study {}", shard.job)));
         };

@@ -52,6 +52,7 @@ pub async fn expire(parts: &Parts) -> Result<(), JobError> {
     let remembered = parts.settings.remember_expired.try_into().unwrap_or(jiff::SignedDuration::MAX);
     while !parts.is_stopping() && parts.store.expire(remembered).await? {}
     while !parts.is_stopping() && parts.store.forget().await? {}
+    parts.store.expire_series(remembered).await?;
     let lost = parts.store.remove_lost_recordings().await?;
     if lost > 0 {
         tracing::info!(results = lost, "time series of lost runs were removed");

@@ -30,7 +30,7 @@ use super::store::dialect::Dialect;
 use super::store::part_names::REQUEST;
 use super::store::results::StoredResult;
 use super::store::turns::{Turn, TurnLimits};
-use crate::contract::{self, RunFailure};
+use crate::contract::{self, RunFailure, Uploads};
 
 /// Runs jobs.
 pub struct Worker {
@@ -82,14 +82,15 @@ impl Worker {
 
     /// Starts a job that is being accepted, if a slot is free.
     pub fn start_inline(&self, job: &NewJob) -> Option<InlineRun> {
-        if self.stopping.is_cancelled() {
+        // The values of a series are read before the run starts, which the queue can wait for.
+        if self.stopping.is_cancelled() || !contract::named_series(job.request.as_bytes()).is_empty() {
             return None;
         }
         let slot = Arc::clone(&self.slots).try_acquire_owned().ok()?;
         let claim = Claim::at_acceptance(job);
         // Before the job is written: no sweep may find it without its run.
         let guard = self.running.enter(job.id, Arc::default());
-        let solution = Some(self.solver_thread(&claim, &guard.run));
+        let solution = Some(self.solver_thread(&claim, &guard.run, Uploads::default()));
         Some(InlineRun { _slot: slot, claim, guard, solution })
     }
 
@@ -148,7 +149,8 @@ impl Worker {
         let outcome = match self.end_without_run(claim) {
             Some(end) => RunOutcome::Ended(end, 0.0),
             None => {
-                let solution = self.solver_thread(claim, &guard.run);
+                let uploads = self.uploads(&claim.owner, claim.request.as_deref()).await?;
+                let solution = self.solver_thread(claim, &guard.run, uploads);
                 self.run(claim, &guard.run, solution, item.stopping()).await
             }
         };
@@ -206,7 +208,16 @@ impl Worker {
         }
     }
 
-    fn solver_thread(&self, claim: &Claim, run: &Arc<Run>) -> Solution {
+    /// The series that a request names. Those that are gone are left out, and the run says so.
+    pub(super) async fn uploads(&self, owner: &str, request: Option<&str>) -> Result<Uploads, JobError> {
+        let hashes = contract::named_series(request.unwrap_or_default().as_bytes());
+        match self.store.named_series(owner, &hashes).await {
+            Err(JobError::SeriesExpired { .. } | JobError::ResultCorrupt { .. }) => Ok(Uploads::default()),
+            uploads => uploads,
+        }
+    }
+
+    fn solver_thread(&self, claim: &Claim, run: &Arc<Run>, uploads: Uploads) -> Solution {
         let (simulator, run) = (Arc::clone(&self.simulator), Arc::clone(run));
         let request = claim.request.clone().unwrap_or_default();
         let metrics = Arc::clone(&self.store.metrics);
@@ -214,7 +225,8 @@ impl Worker {
         let (slots, workers) = (Arc::clone(&self.slots), self.settings.workers);
         let other_runs = move || workers.saturating_sub(slots.available_permits() + 1);
         let series = Arc::new(SeriesWriter::new(self.store.clone(), claim, Arc::clone(&run), time_limit));
-        self.threads.run(move || solve(&simulator, &request, &run, &other_runs, time_limit, &metrics, &series))
+        self.threads
+            .run(move || solve(&simulator, (&request, &uploads), &run, &other_runs, time_limit, &metrics, &series))
     }
 
     /// Writes the end, and retries while the database refuses.
@@ -295,7 +307,7 @@ pub(super) fn apply_heartbeat(answer: Result<Heartbeat, JobError>, run: &Run) {
 /// Parses the request and simulates it until it ends, must stop, or exceeds its time limit.
 fn solve(
     simulator: &Simulator,
-    request: &str,
+    (request, uploads): (&str, &Uploads),
     run: &Run,
     other_runs: &dyn Fn() -> usize,
     time_limit: Duration,
@@ -303,7 +315,7 @@ fn solve(
     series: &Arc<SeriesWriter>,
 ) -> Result<StoredResult, RunFailure> {
     let internal = |detail: String| RunFailure::Failed { cause: INTERNAL, detail };
-    let job = contract::parse_job(request.as_bytes()).map_err(|refusal| internal(refusal.to_string()))?;
+    let job = contract::parse_job_with(request.as_bytes(), uploads).map_err(|refusal| internal(refusal.to_string()))?;
     let begin = Instant::now();
     let stop = || {
         if begin.elapsed() > time_limit {

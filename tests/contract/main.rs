@@ -21,3 +21,4 @@ mod scenes;
 mod service_metrics;
 mod stored_results;
 mod studies;
+mod uploaded_series;

@@ -97,6 +97,10 @@ def recorded(running):
     running.ended(long)
     examples["resolveScene"] = {"200": answer("POST", "/v1/scenes/resolve", {"scene": SCENE})}
     examples["listPresets"] = {"200": answer("GET", "/v1/presets")}
+    series = answer("POST", "/v1/series", {"rate_hz": 1000, "values": [0, 12.5, 20, 12.5, 0]})
+    examples["uploadSeries"] = {"201": series}
+    examples["showSeries"] = {"200": answer("GET", f"/v1/series/{series['hash']}")}
+    examples["listSeries"] = {"200": answer("GET", "/v1/series")}
     examples["analyseRotor"] = {"200": answer("POST", "/v1/rotor", ROTOR)}
     rotor = running.submit(ROTOR)[0]
     running.ended(rotor)

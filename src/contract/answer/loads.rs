@@ -12,7 +12,7 @@ use raceway_core::simulation::input::scene::Scene;
 /// A load of `operation.loads`. A run starts in equilibrium with the loads at the start.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LoadAnswer {
-    /// `constant`, `points`, `harmonic`, `rotating` or `shock`.
+    /// `constant`, `points`, `harmonic`, `rotating`, `shock` or `series`.
     pub kind: String,
     /// `x`, `y`, `z`, `about_y`, `about_z`; `y, z` of a rotating load.
     pub direction: String,
@@ -57,6 +57,7 @@ fn answer(load: &Load, speed: f64) -> LoadAnswer {
         Load::Along(_, LoadCourse::Points(_)) => "points",
         Load::Along(_, LoadCourse::Harmonic(_)) => "harmonic",
         Load::Along(_, LoadCourse::Shock(_)) => "shock",
+        Load::Along(_, LoadCourse::Samples(_)) => "series",
         Load::Rotating(_) => "rotating",
     };
     let (start, change) = start_and_largest_change(std::slice::from_ref(load));

@@ -11,6 +11,7 @@ use super::search::Search;
 use super::simulation::{Simulation, Submission};
 use super::study::Study;
 use crate::contract::json::problem::Refusal;
+use crate::contract::json::uploads::Uploads;
 
 /// A checked job.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,12 +26,12 @@ pub enum Job {
 
 impl Job {
     /// Checks a request, whose field `kind` decides the kind of the job.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
         match JobKind::of(&request)? {
-            JobKind::Simulation => Simulation::of(request).map(Self::Simulation),
-            JobKind::Study => Study::of(request).map(Self::Study),
-            JobKind::Optimum => Search::of(request).map(Self::Optimum),
-            JobKind::Accuracy => Comparison::of(request).map(Self::Accuracy),
+            JobKind::Simulation => Simulation::of(request, uploads).map(Self::Simulation),
+            JobKind::Study => Study::of(request, uploads).map(Self::Study),
+            JobKind::Optimum => Search::of(request, uploads).map(Self::Optimum),
+            JobKind::Accuracy => Comparison::of(request, uploads).map(Self::Accuracy),
             JobKind::Rotor => RotorJob::of(request).map(|job| Self::Rotor(Box::new(job))),
             JobKind::Machine => MachineJob::of(request).map(|job| Self::Machine(Box::new(job))),
         }

@@ -15,6 +15,7 @@ use super::times;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::limits::MAX_REPETITIONS;
 use crate::contract::json::problem::Refusal;
+use crate::contract::json::uploads::Uploads;
 
 /// Default settling time and default compared time [s]: each is run many times.
 const SETTLE: f64 = 0.02;
@@ -35,8 +36,8 @@ pub struct Comparison {
 
 impl Comparison {
     /// The comparison of a request of this kind.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
-        let mut draft = Draft::of(JobKind::Accuracy, request)?;
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = Draft::of(JobKind::Accuracy, request, uploads)?;
         let plan = plan(&mut draft.input, &mut draft.defaults);
         let settings = settings(&mut draft.input, &mut draft.defaults);
         let only_level = |scene: &_, settings: &RunSettings| {

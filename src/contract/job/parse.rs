@@ -9,18 +9,28 @@ use super::kind::JobKind;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::shapes::ObjectOnly;
 use crate::contract::json::strict;
+use crate::contract::json::uploads::Uploads;
 
 /// Largest number of jobs in a batch.
 const MAX_JOBS: usize = 1000;
 
-/// Reads a job.
+/// Reads a job that names no uploaded series.
 pub fn parse_job(body: &[u8]) -> Result<Job, Refusal> {
-    Job::of(strict::read(body)?)
+    parse_job_with(body, &Uploads::default())
+}
+
+/// Reads a job that may name these series.
+pub fn parse_job_with(body: &[u8], uploads: &Uploads) -> Result<Job, Refusal> {
+    Job::of(strict::read(body)?, uploads)
 }
 
 /// Reads `{ "jobs": … }`. Each job is accepted or refused on its own, with pointers from its own root. Jobs after `stop` has returned true are
 /// left out.
-pub fn parse_batch(body: &[u8], stop: &dyn Fn() -> bool) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
+pub fn parse_batch(
+    body: &[u8],
+    uploads: &Uploads,
+    stop: &dyn Fn() -> bool,
+) -> Result<Vec<Result<Job, Refusal>>, Refusal> {
     #[derive(Deserialize)]
     #[serde(deny_unknown_fields)]
     struct Batch<'a> {
@@ -47,17 +57,22 @@ pub fn parse_batch(body: &[u8], stop: &dyn Fn() -> bool) -> Result<Vec<Result<Jo
         let detail = format!("{} jobs: must be from 1 to {MAX_JOBS}", jobs.len());
         return Err(FieldError::new("/jobs", detail).into());
     }
-    Ok(jobs.into_iter().take_while(|_| !stop()).map(|job| parse_job(job.get().as_bytes())).collect())
+    Ok(jobs.into_iter().take_while(|_| !stop()).map(|job| parse_job_with(job.get().as_bytes(), uploads)).collect())
 }
 
-/// Reads a job, or `{ "scene": … }` for a simulation of it.
+/// Reads a job, or `{ "scene": … }` for a simulation of it, that names no uploaded series.
 pub fn parse_scene_request(body: &[u8]) -> Result<Job, Refusal> {
+    parse_scene_request_with(body, &Uploads::default())
+}
+
+/// The same of a request that may name these series.
+pub fn parse_scene_request_with(body: &[u8], uploads: &Uploads) -> Result<Job, Refusal> {
     let request = strict::read(body)?;
     if is_scene(&request) {
         let detail = "a scene alone: must be an object `{\"scene\": …}`, with this as its field `scene`";
         return Err(FieldError::new("", detail).into());
     }
-    match simulation_by_default(request)? {
+    match Job::of(with_kind(JobKind::Simulation, request), uploads)? {
         Job::Rotor(_) => Err(FieldError::new("/kind", "`rotor` has nothing to resolve: post it to /v1/rotor").into()),
         Job::Machine(_) => {
             let detail = "`machine` has nothing to resolve: post its scene to /v1/rotor, as `kind` `rotor`";
@@ -105,14 +120,14 @@ pub fn parse_rotor_request(body: &[u8]) -> Result<Job, Refusal> {
 fn of_kind(expected: JobKind, request: Value) -> Result<Job, Refusal> {
     let request = with_kind(expected, request);
     match JobKind::of(&request)? {
-        kind if kind == expected => Job::of(request),
+        kind if kind == expected => Job::of(request, &Uploads::default()),
         kind => Err(FieldError::new("/kind", format!("must be `{}`, not `{}`", expected.name(), kind.name())).into()),
     }
 }
 
 /// Checks a job, a simulation where it gives no kind.
 fn simulation_by_default(request: Value) -> Result<Job, Refusal> {
-    Job::of(with_kind(JobKind::Simulation, request))
+    Job::of(with_kind(JobKind::Simulation, request), &Uploads::default())
 }
 
 fn with_kind(default: JobKind, mut request: Value) -> Value {

@@ -8,6 +8,7 @@ use super::checked::Job;
 use super::kind::{FIELDS_OF_SOME_KINDS, JobKind};
 use crate::contract::json::limits;
 use crate::contract::json::schema::{Schemas, change, set_defaults, set_limits};
+use crate::contract::json::uploads::Uploads;
 
 /// Name of the schema of a job of any kind.
 const JOB: &str = "JobInput";
@@ -222,7 +223,7 @@ impl Kind {
             JobKind::Optimum => request["metric"] = json!("/channels/spindle.y.acceleration/level_db"),
             JobKind::Simulation | JobKind::Accuracy | JobKind::Rotor | JobKind::Machine => {}
         }
-        let Ok(job) = Job::of(request) else { return Value::Null };
+        let Ok(job) = Job::of(request, &Uploads::default()) else { return Value::Null };
         let mut complete = job.complete();
         complete["priority"] = job.submission().priority.into();
         complete["reuse"] = job.submission().reuse.into();

@@ -16,6 +16,7 @@ use super::variation::Variation;
 use super::varied::{Varied, at_axis};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, Refusal, listed};
+use crate::contract::json::uploads::Uploads;
 
 const MAX_AXES: usize = 2;
 /// Share of a range at which the scene is checked; no simple fraction, so that whole numbers are not met by chance.
@@ -42,8 +43,8 @@ pub struct Objective {
 impl Search {
     /// The search of a request of this kind. Refused also where the scene cannot be built inside the ranges or at their ends, or where
     /// its results never contain the metric.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
-        let mut draft = Draft::of(JobKind::Optimum, request)?;
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = Draft::of(JobKind::Optimum, request, uploads)?;
         refuse_signals(JobKind::Optimum, &draft.input, &mut draft.defaults);
         let objective = Objective::of(&mut draft.input, &mut draft.defaults);
         let settings = draft.settings();
@@ -55,7 +56,7 @@ impl Search {
                 outputs.entry("metrics").or_insert_with(|| json!([part]));
             }
         }
-        let variation = Variation::new(&request, base.scene_json());
+        let variation = Variation::new(&request, base.scene_json(), uploads);
         let search = Self { base, objective, variation };
         for (index, (varied, _)) in search.objective.axes.iter().enumerate() {
             if let Some(detail) = search.variation.refuses(varied) {

@@ -26,6 +26,7 @@ use crate::contract::json::numbers::short;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::typed::typed_with_errors;
 use crate::contract::json::units::{MM, US};
+use crate::contract::json::uploads::Uploads;
 use crate::contract::scene::scene_input::ResolvedScene;
 
 /// A checked simulation: scene, settings and model.
@@ -59,8 +60,8 @@ pub struct Submission {
 
 impl Simulation {
     /// The simulation of a request of this kind.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
-        let mut draft = Draft::of(JobKind::Simulation, request)?;
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = Draft::of(JobKind::Simulation, request, uploads)?;
         let settings = draft.settings();
         draft.simulation(settings, model_levels)
     }
@@ -127,14 +128,14 @@ pub struct Draft {
 
 impl Draft {
     /// Reads a request of this kind and checks its scene.
-    pub fn of(kind: JobKind, request: Value) -> Result<Self, Refusal> {
+    pub fn of(kind: JobKind, request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
         let (input, unread) = typed_with_errors::<JobInput>(&request);
         let unread: Vec<FieldError> = unread.into_iter().map(limits::with_range).collect();
         let Some(input) = input else { return Err(Refusal::Invalid { errors: unread }) };
         let (resolved, scene_errors) = if unread.iter().any(|error| error.concerns("/scene")) {
-            (None, input.scene.clone().errors_without(&unread))
+            (None, input.scene.clone().errors_without(&unread, uploads))
         } else {
-            match input.scene.clone().resolve() {
+            match input.scene.clone().resolve(uploads) {
                 Ok(resolved) => (Some(resolved), Vec::new()),
                 Err(errors) => (None, errors),
             }

@@ -17,6 +17,7 @@ use super::variation::Variation;
 use super::varied::{MAX_NAME, Varied, at_axis};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, MAX_ERRORS, Refusal};
+use crate::contract::json::uploads::Uploads;
 
 const MAX_AXES: usize = 4;
 /// Largest number of values of a range, and of a list, that are checked before the job is accepted; evenly spread.
@@ -208,18 +209,19 @@ fn refused_value(axis: &Axis, value: &Value, axes: &[Axis], variation: &Variatio
 
 impl Study {
     /// The study of a request of this kind. Refused also where none of a sample of points can be built: then the axes are wrong.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
-        let mut draft = Draft::of(JobKind::Study, request)?;
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = Draft::of(JobKind::Study, request, uploads)?;
         refuse_signals(JobKind::Study, &draft.input, &mut draft.defaults);
         let (axes, points) = axes(&mut draft.input, &mut draft.defaults);
         let settings = draft.settings();
-        let variation = draft.scene_json().map(|scene| Variation::new(&draft.request, scene));
+        let variation = draft.scene_json().map(|scene| Variation::new(&draft.request, scene, uploads));
         // Of a refused grid no value is checked: each check builds a scene.
         if let Some(variation) = variation.as_ref().filter(|_| points > 0) {
             refuse_values(&axes, variation, &mut draft.defaults);
         }
         let base = draft.simulation(settings, model_levels)?;
-        let variation = variation.unwrap_or_else(|| Variation::new(&base.submission.request, base.scene_json()));
+        let variation =
+            variation.unwrap_or_else(|| Variation::new(&base.submission.request, base.scene_json(), uploads));
         let grid = Grid::new(axes.iter().map(|axis| axis.values.len()).collect());
         let study = Self { base, axes, grid, points, variation };
         study.probe()?;

@@ -8,6 +8,7 @@ use super::simulation::Simulation;
 use super::varied::{Target, Varied};
 use crate::contract::json::problem::{FieldError, Refusal, escape};
 use crate::contract::json::typed::typed;
+use crate::contract::json::uploads::Uploads;
 use crate::contract::scene::scene_input::{ResolvedScene, SceneInput};
 
 /// A request for simulations that differ in the values of the axes.
@@ -17,6 +18,8 @@ pub struct Variation {
     base: Value,
     /// The scene of the request with all defaults.
     complete: Value,
+    /// Series that the simulations may name.
+    uploads: Uploads,
 }
 
 /// Fields of a request that its simulations do not have.
@@ -24,7 +27,7 @@ const FIELDS_OF_WHOLE_JOB: [&str; 7] = ["axes", "metric", "goal", "labels", "pri
 
 impl Variation {
     /// From a request whose scene with all defaults is `complete`.
-    pub fn new(request: &Value, complete: Value) -> Self {
+    pub fn new(request: &Value, complete: Value, uploads: &Uploads) -> Self {
         let mut base = request.clone();
         if let Value::Object(fields) = &mut base {
             for field in FIELDS_OF_WHOLE_JOB {
@@ -37,7 +40,7 @@ impl Variation {
                 outputs.insert("spectra".into(), json!([]));
             }
         }
-        Self { base, complete }
+        Self { base, complete, uploads: uploads.clone() }
     }
 
     /// The request that all simulations share.
@@ -47,12 +50,12 @@ impl Variation {
 
     /// The simulation with these values.
     pub fn simulation<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<Simulation, Refusal> {
-        Simulation::of(self.request(values)?)
+        Simulation::of(self.request(values)?, &self.uploads)
     }
 
     /// The scene with these values; faster than the whole simulation.
     pub fn scene<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<ResolvedScene, Refusal> {
-        scene_of(&self.request(values)?)
+        self.scene_of(&self.request(values)?)
     }
 
     /// Length of the scene as JSON [bytes], at least 1.
@@ -84,17 +87,17 @@ impl Variation {
         }
         if let Some(share) = load_over_rating {
             // The rating follows from the bearing as the other axes have changed it.
-            let rating = dynamic_load_rating(&scene_of(&request)?.scene.bearing);
+            let rating = dynamic_load_rating(&self.scene_of(&request)?.scene.bearing);
             request["scene"]["operation"]["axial_load_n"] = (share * rating).into();
         }
         Ok(request)
     }
-}
 
-/// The scene of a request.
-fn scene_of(request: &Value) -> Result<ResolvedScene, Refusal> {
-    let scene = request.get("scene").unwrap_or(&Value::Null);
-    typed::<SceneInput>(scene, "/scene")?.resolve().map_err(|errors| Refusal::Invalid { errors })
+    /// The scene of a request.
+    fn scene_of(&self, request: &Value) -> Result<ResolvedScene, Refusal> {
+        let scene = typed::<SceneInput>(request.get("scene").unwrap_or(&Value::Null), "/scene")?;
+        scene.resolve(&self.uploads).map_err(|errors| Refusal::Invalid { errors })
+    }
 }
 
 /// Parts of a scene whose other fields keep following their defaults.

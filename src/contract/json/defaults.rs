@@ -3,6 +3,7 @@
 use raceway_core::physics::InvalidParameter;
 
 use super::problem::{FieldError, listed};
+use super::uploads::Uploads;
 use super::{limits, numbers, parameters};
 
 /// Parts of the scene with lists whose wrong items are left out.
@@ -18,14 +19,21 @@ pub struct Defaults {
     inconsistent: Vec<FieldError>,
     /// Parts of the request that could not be read and are missing here.
     unread: Vec<FieldError>,
+    /// Series that loads may name.
+    pub uploads: Uploads,
     /// Whether another bearing replaces the requested one, so that the other fields can still be checked.
     has_substitute: bool,
 }
 
 impl Defaults {
+    /// For a request that may name these series.
+    pub fn with(uploads: &Uploads) -> Self {
+        Self { uploads: uploads.clone(), ..Self::default() }
+    }
+
     /// For a request of which some parts could not be read.
-    pub fn without(unread: &[FieldError]) -> Self {
-        Self { unread: unread.to_vec(), ..Self::default() }
+    pub fn without(unread: &[FieldError], uploads: &Uploads) -> Self {
+        Self { unread: unread.to_vec(), ..Self::with(uploads) }
     }
 
     /// Whether the field was given, but could not be read.

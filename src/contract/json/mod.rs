@@ -8,6 +8,7 @@ pub mod typed;
 
 pub mod numbers;
 pub mod units;
+pub mod uploads;
 
 pub mod limits;
 pub mod parameters;

@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 160] = [
+const FIELDS: [(&str, &str, Unit); 162] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -94,6 +94,8 @@ const FIELDS: [(&str, &str, Unit); 160] = [
     ("operation.loads.rotating.frequency", "/operation/loads/rotating/frequency_hz", HZ),
     ("operation.loads.rotating.order", "/operation/loads/rotating/order", NUMBER),
     ("operation.loads.rotating.phase", "/operation/loads/rotating/phase_deg", DEG),
+    ("operation.loads.series", "/operation/loads/series/hash", N),
+    ("operation.loads.series_moment", "/operation/loads/series/hash", N_M),
     ("operation.loads.shock.peak", "/operation/loads/shock/peak_n", N),
     ("operation.loads.shock.moment_peak", "/operation/loads/shock/peak_n_m", N_M),
     ("operation.loads.shock.at", "/operation/loads/shock/at_s", S),

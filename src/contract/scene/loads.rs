@@ -11,7 +11,7 @@ use crate::contract::json::units::{DEG, HZ, N, N_M, NUMBER, S, Unit};
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, MOST_LOADS, Shock};
 
-/// A load on the spindle, at its centre of mass: exactly one of `constant_n`, `points`, `harmonic`, `rotating` and `shock`. Moments have
+/// A load on the spindle, at its centre of mass: exactly one of `constant_n`, `points`, `harmonic`, `rotating`, `shock` and `series`. Moments have
 /// `n_m` in place of `n`. Times count from the start, settling included.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -48,6 +48,10 @@ pub struct LoadInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub shock: Option<ShockInput>,
+    /// An uploaded series.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub series: Option<LoadSeriesInput>,
 }
 
 /// A body that loads act on.
@@ -150,6 +154,15 @@ pub struct ShockInput {
     pub duration_s: f64,
 }
 
+/// Values of an uploaded series from time 0 on, in N or N·m by the direction; cubic between values, constant after the last one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoadSeriesInput {
+    /// Content hash that `POST /v1/series` answers.
+    #[schema(pattern = "^[0-9a-f]{64}$", example = "3b1f…")]
+    pub hash: String,
+}
+
 /// Loads of the operation in `physics`. A load with an error is left out.
 pub fn resolve(loads: &mut Option<Vec<LoadInput>>, defaults: &mut Defaults) -> Vec<Load> {
     const POINTER: &str = "/scene/operation/loads";
@@ -215,6 +228,7 @@ impl LoadInput {
             ("harmonic", self.harmonic.is_some()),
             ("rotating", self.rotating.is_some()),
             ("shock", self.shock.is_some()),
+            ("series", self.series.is_some()),
         ];
         let given: Vec<&str> = kinds.iter().filter(|kind| kind.1).map(|kind| kind.0).collect();
         if given.len() != 1 {
@@ -248,6 +262,18 @@ impl LoadInput {
         } else if let Some(shock) = &self.shock {
             let at = format!("{at}/shock");
             LoadCourse::Shock(shock.resolve(&place(&at), defaults)?)
+        } else if let Some(series) = &self.series {
+            let Some(samples) = defaults.uploads.get(&series.hash) else {
+                defaults.refuse(
+                    format!("{at}/series/hash"),
+                    "no uploaded series has this hash: send it to /v1/series first",
+                );
+                return None;
+            };
+            let place = place(at);
+            let (parameter, field) = place.name(("series", "series/hash"), ("series_moment", "series/hash"));
+            let fields = [(parameter, field, samples.largest(), place.unit())];
+            are_within_limits(defaults, (at, "operation.loads"), &fields).then_some(LoadCourse::Samples(samples))?
         } else {
             let (constants, place) = ([self.constant_n, self.constant_n_m], place(at));
             let value = place.pick(["constant_n", "constant_n_m"], constants, defaults)?;

@@ -15,6 +15,7 @@ use crate::contract::json::numbers::short;
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::shapes::{NameOr, optional_object};
 use crate::contract::json::units::{MM, MRAD, UM};
+use crate::contract::json::uploads::Uploads;
 use raceway_core::physics::statics::RingBearing;
 use raceway_core::physics::statics::shaft::{Faces, Mounted};
 use raceway_core::rotor::input::RotorBearing;
@@ -196,7 +197,7 @@ impl RotorBearingInput {
             terms: None,
             gravity_m_s2: None,
         };
-        let scene = match alone.resolve() {
+        let scene = match alone.resolve(&Uploads::default()) {
             Ok(scene) => scene,
             Err(errors) => {
                 defaults.errors.extend(errors.into_iter().map(|error| in_list(error, at)));

@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::shapes::{NameOr, object, optional_object};
+use crate::contract::json::uploads::Uploads;
 use crate::contract::scene::bearing::{BearingChoice, BearingInput};
 use crate::contract::scene::bearing_base::{ChosenBearing, choose};
 use crate::contract::scene::damping::DampingInput;
@@ -64,14 +65,14 @@ pub struct ResolvedScene {
 
 impl SceneInput {
     /// Fills in all defaults and checks the scene.
-    pub fn resolve(self) -> Result<ResolvedScene, Vec<FieldError>> {
-        self.resolve_in(Defaults::default())
+    pub fn resolve(self, uploads: &Uploads) -> Result<ResolvedScene, Vec<FieldError>> {
+        self.resolve_in(Defaults::with(uploads))
     }
 
     /// Errors of the fields other than those that could not be read, which are missing here. Each field is checked only by itself: errors
     /// of the whole would not apply to the requested scene.
-    pub fn errors_without(self, unread: &[FieldError]) -> Vec<FieldError> {
-        self.resolve_in(Defaults::without(unread)).err().unwrap_or_default()
+    pub fn errors_without(self, unread: &[FieldError], uploads: &Uploads) -> Vec<FieldError> {
+        self.resolve_in(Defaults::without(unread, uploads)).err().unwrap_or_default()
     }
 
     fn resolve_in(mut self, mut defaults: Defaults) -> Result<ResolvedScene, Vec<FieldError>> {

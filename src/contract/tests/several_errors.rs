@@ -1,7 +1,7 @@
 //! Requests with several errors, or without valid JSON: what is reported, where, and how long it is.
 
 use super::requests::{DIMENSIONS, bearing, job, scene};
-use crate::contract::{Refusal, parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene};
+use crate::contract::{Refusal, Uploads, parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene};
 
 /// Missing fields and wrong types hide no other errors; errors of numbers state unit and range.
 #[test]
@@ -169,7 +169,8 @@ fn lengths_in_metres_are_reported_at_their_own_fields() {
 
 #[test]
 fn a_bare_array_is_refused_with_the_form_of_a_batch() {
-    let reported = |body: &str| parse_batch(body.as_bytes(), &|| false).map(|_| ()).unwrap_err().to_string();
+    let reported =
+        |body: &str| parse_batch(body.as_bytes(), &Uploads::default(), &|| false).map(|_| ()).unwrap_err().to_string();
     let wanted = "must be an object `{\"jobs\": […]}`";
     let array = reported(&format!("[{}]", job(r#""priority":1"#)));
     assert!(array.contains(&format!("an array: {wanted}, with this array as its field `jobs`")), "{array}");
@@ -249,7 +250,12 @@ fn outputs_that_are_no_object_are_refused() {
 fn foreign_bytes_are_skipped_or_named() {
     let job = r#"{"kind":"simulation","scene":{"bearing":"6205","operation":{"speed_rpm":3000}}}"#;
     assert!(parse_job(format!("\u{feff}{job}").as_bytes()).is_ok());
-    assert!(crate::contract::parse_batch(format!("\u{feff}{{\"jobs\":[{job}]}}").as_bytes(), &|| false).is_ok());
+    assert!(
+        crate::contract::parse_batch(format!("\u{feff}{{\"jobs\":[{job}]}}").as_bytes(), &Uploads::default(), &|| {
+            false
+        })
+        .is_ok()
+    );
     let detail = |body: &[u8]| match parse_job(body) {
         Err(Refusal::NotJson { detail }) => detail,
         other => panic!("{:?}", other.map(|_| "a job")),

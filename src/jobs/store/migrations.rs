@@ -71,7 +71,7 @@ fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
 }
 
 // A released file is never edited: sqlx compares a checksum of its whole text, comments included, with the applied one.
-const SQLITE_MIGRATIONS: [(i64, &str, &str); 14] = [
+const SQLITE_MIGRATIONS: [(i64, &str, &str); 15] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
     (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
@@ -86,9 +86,10 @@ const SQLITE_MIGRATIONS: [(i64, &str, &str); 14] = [
     (12, "series chunks", include_str!("../../../migrations/sqlite/0012_series_chunks.sql")),
     (13, "unfinished", include_str!("../../../migrations/sqlite/0013_unfinished.sql")),
     (14, "request digests", include_str!("../../../migrations/sqlite/0014_request_digests.sql")),
+    (15, "uploaded series", include_str!("../../../migrations/sqlite/0015_uploaded_series.sql")),
 ];
 
-const POSTGRES_MIGRATIONS: [(i64, &str, &str); 9] = [
+const POSTGRES_MIGRATIONS: [(i64, &str, &str); 10] = [
     (1, "records", include_str!("../../../migrations/postgres/0001_records.sql")),
     (2, "tokens", include_str!("../../../migrations/postgres/0002_tokens.sql")),
     (3, "turns", include_str!("../../../migrations/postgres/0003_turns.sql")),
@@ -98,4 +99,5 @@ const POSTGRES_MIGRATIONS: [(i64, &str, &str); 9] = [
     (7, "series chunks", include_str!("../../../migrations/postgres/0007_series_chunks.sql")),
     (8, "unfinished", include_str!("../../../migrations/postgres/0008_unfinished.sql")),
     (9, "request digests", include_str!("../../../migrations/postgres/0009_request_digests.sql")),
+    (10, "uploaded series", include_str!("../../../migrations/postgres/0010_uploaded_series.sql")),
 ];

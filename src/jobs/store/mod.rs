@@ -74,3 +74,5 @@ pub mod test_database;
 pub mod tokens;
 /// Deliveries used as turns.
 pub mod turns;
+/// Uploaded series.
+pub mod uploaded_series;

@@ -39,7 +39,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 103] = [
+const LIMITS: [Limits; 105] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -94,6 +94,8 @@ const LIMITS: [Limits; 103] = [
     above("operation.loads.rotating.frequency", 0.0, HIGHEST_FREQUENCY),
     above("operation.loads.rotating.order", 0.0, 1000.0),
     within("operation.loads.rotating.phase", -2.0 * PI, 2.0 * PI),
+    within("operation.loads.series", -1e7, 1e7),
+    within("operation.loads.series_moment", -1e6, 1e6),
     within("operation.loads.shock.peak", -1e7, 1e7),
     within("operation.loads.shock.moment_peak", -1e6, 1e6),
     within("operation.loads.shock.at", 0.0, 1e6),

@@ -2,8 +2,10 @@
 //! that the spindle has turned.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use super::limits::{Faults, HIGHEST_FREQUENCY, MOST_POINTS, SHORTEST_RAMP};
+use super::samples::Samples;
 use crate::numerics::angle::sin_cos;
 
 /// Largest number of loads.
@@ -46,6 +48,7 @@ pub enum LoadCourse {
     Points(Vec<(f64, f64)>),
     Harmonic(Harmonic),
     Shock(Shock),
+    Samples(Arc<Samples>),
 }
 
 /// amplitude · cos(argument + phase). The argument is that of the rate.
@@ -107,6 +110,7 @@ impl LoadCourse {
                 elapsed if elapsed > 0.0 && elapsed < *duration => peak * sin_cos(PI * elapsed / duration).0,
                 _ => 0.0,
             },
+            Self::Samples(samples) => samples.at(time),
         }
     }
 
@@ -128,6 +132,7 @@ impl LoadCourse {
             }
             Self::Harmonic(harmonic) => harmonic.amplitude,
             Self::Shock(shock) => shock.peak.abs(),
+            Self::Samples(samples) => samples.largest_change(),
         }
     }
 }
@@ -169,6 +174,10 @@ impl Load {
                         faults.check("operation.loads.shock.at", *at);
                         faults.check("operation.loads.shock.duration", *duration);
                     }
+                    LoadCourse::Samples(samples) => {
+                        faults
+                            .check(name("operation.loads.series", "operation.loads.series_moment"), samples.largest());
+                    }
                 }
             }
             Self::Rotating(harmonic) => {
@@ -206,7 +215,16 @@ impl Load {
         match self {
             Self::Along(_, LoadCourse::Points(points)) if self.is_varying() => points.last().map(|point| point.0),
             Self::Along(_, LoadCourse::Shock(shock)) => Some(shock.at + shock.duration),
+            Self::Along(_, LoadCourse::Samples(samples)) if self.is_varying() => Some(samples.end()),
             _ => None,
+        }
+    }
+
+    /// Longest step that resolves a harmonic load or a series [s]; `None` for others.
+    fn longest_step(&self, largest_speed: f64) -> Option<f64> {
+        match self {
+            Self::Along(_, LoadCourse::Samples(samples)) => Some(1.0 / samples.rate()),
+            other => other.harmonic().map(|harmonic| 1.0 / (STEPS_PER_PERIOD * harmonic.frequency(largest_speed))),
         }
     }
 
@@ -289,8 +307,8 @@ pub struct VaryingLoads {
     /// Loads along one direction, less their start.
     along: Vec<(LoadDirection, LoadCourse, f64)>,
     rotating: Vec<Harmonic>,
-    /// Longest step that resolves every harmonic load [s].
-    harmonic_step: f64,
+    /// Longest step that resolves every harmonic load and every series [s].
+    steady_step: f64,
     /// Largest changes.
     pub largest: SpindleLoad,
 }
@@ -299,15 +317,14 @@ impl VaryingLoads {
     /// `None` where no load varies. `largest_speed`: of the spindle [rad/s].
     pub fn of(loads: &[Load], largest_speed: f64) -> Option<Self> {
         let (_, largest) = start_and_largest_change(loads);
-        let mut varying = Self { along: Vec::new(), rotating: Vec::new(), harmonic_step: f64::INFINITY, largest };
+        let mut varying = Self { along: Vec::new(), rotating: Vec::new(), steady_step: f64::INFINITY, largest };
         for load in loads.iter().filter(|load| load.is_varying()) {
             match load {
                 Load::Along(direction, course) => varying.along.push((*direction, course.clone(), course.at_start())),
                 Load::Rotating(harmonic) => varying.rotating.push(*harmonic),
             }
-            if let Some(harmonic) = load.harmonic() {
-                let period = 1.0 / harmonic.frequency(largest_speed);
-                varying.harmonic_step = varying.harmonic_step.min(period / STEPS_PER_PERIOD);
+            if let Some(step) = load.longest_step(largest_speed) {
+                varying.steady_step = varying.steady_step.min(step);
             }
         }
         (!varying.along.is_empty() || !varying.rotating.is_empty()).then_some(varying)
@@ -333,19 +350,20 @@ impl VaryingLoads {
         self.along.iter().flat_map(|(_, course, _)| match course {
             LoadCourse::Points(points) => points.iter().map(|point| point.0).collect(),
             LoadCourse::Shock(Shock { at, duration, .. }) => vec![*at, at + duration],
+            LoadCourse::Samples(samples) => vec![samples.end()],
             LoadCourse::Constant(_) | LoadCourse::Harmonic(_) => Vec::new(),
         })
     }
 
     /// Longest step of fixed length that resolves every load [s].
     pub fn longest_fixed_step(&self) -> f64 {
-        self.shocks().map(Shock::longest_step).fold(self.harmonic_step, f64::min)
+        self.shocks().map(Shock::longest_step).fold(self.steady_step, f64::min)
     }
 
     /// Longest step that resolves the loads from a time on [s]. Steps end where a shock begins.
     pub fn longest_step_from(&self, time: f64) -> f64 {
         let is_on = |shock: &&Shock| time >= shock.at && time < shock.at + shock.duration;
-        self.shocks().filter(is_on).map(Shock::longest_step).fold(self.harmonic_step, f64::min)
+        self.shocks().filter(is_on).map(Shock::longest_step).fold(self.steady_step, f64::min)
     }
 
     /// True where a load neither is constant nor repeats.
@@ -368,50 +386,4 @@ impl Shock {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::physics::spindle::unbalance_force;
-
-    fn along_y(course: LoadCourse) -> Load {
-        Load::Along(LoadDirection::Y, course)
-    }
-
-    /// Points: 10 N at the start, 30 N at 2 s, then constant. The change counts from the start.
-    #[test]
-    fn loads_change_from_their_start() {
-        let points = along_y(LoadCourse::Points(vec![(1.0, 10.0), (2.0, 30.0)]));
-        let shock = along_y(LoadCourse::Shock(Shock { peak: 8.0, at: 1.0, duration: 1.0 }));
-        let loads = [points, shock, along_y(LoadCourse::Constant(5.0))];
-        let (start, change) = start_and_largest_change(&loads);
-        assert_eq!((start[1], change[1]), (15.0, 28.0));
-        let varying = VaryingLoads::of(&loads, 0.0).unwrap();
-        assert_eq!(varying.at(0.0, 0.0), [0.0; 5]);
-        assert!((varying.at(1.5, 0.0)[1] - (10.0 + 8.0)).abs() < 1e-12);
-        assert_eq!(varying.at(3.0, 0.0)[1], 20.0);
-        assert_eq!(varying.kinks().collect::<Vec<_>>(), [1.0, 2.0, 1.0, 2.0]);
-        assert_eq!(end_of_transients(&loads), Some(2.0));
-        assert_eq!((varying.longest_step_from(0.5), varying.longest_step_from(1.0)), (f64::INFINITY, 0.2));
-        assert!(VaryingLoads::of(&loads[2..], 0.0).is_none());
-    }
-
-    /// Of order 1 and amplitude m e ω² it is the force of an unbalance, to the last bit.
-    #[test]
-    fn a_rotating_load_is_an_unbalance() {
-        let (product, speed, angle) = (3e-6, 5236.0, 1234.567);
-        let harmonic = Harmonic { amplitude: product * speed * speed, rate: LoadRate::Order(1.0), phase: 0.0 };
-        let varying = VaryingLoads::of(&[Load::Rotating(harmonic)], speed).unwrap();
-        let [x, y, z, ..] = varying.at(0.1, angle);
-        assert_eq!([x, y, z], unbalance_force(product, angle, speed, 0.0));
-    }
-
-    /// cos(2πft + phase): 60° before the first maximum at time 0 it has half of its amplitude.
-    #[test]
-    fn a_harmonic_load_is_a_cosine_from_time_zero() {
-        let harmonic = Harmonic { amplitude: 4.0, rate: LoadRate::Frequency(50.0), phase: -PI / 3.0 };
-        let load = Load::Along(LoadDirection::AboutZ, LoadCourse::Harmonic(harmonic));
-        let varying = VaryingLoads::of(&[load], 0.0).unwrap();
-        assert!((varying.at(0.0, 9.0)[4] - 2.0).abs() < 1e-12);
-        assert!((varying.at(1.0 / 300.0, 9.0)[4] - 4.0).abs() < 1e-12);
-        assert_eq!(varying.longest_fixed_step(), 0.002);
-    }
-}
+mod tests;

@@ -21,6 +21,7 @@ pub mod pocket;
 pub mod presets;
 pub mod raceway;
 pub mod rating;
+pub mod samples;
 pub mod spindle;
 pub mod statics;
 pub mod surface;
