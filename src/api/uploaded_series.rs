@@ -47,7 +47,7 @@ pub struct SeriesQuery {
 
 /// An uploaded series.
 #[derive(Debug, Serialize, ToSchema)]
-pub(super) struct SeriesAnswer {
+pub(super) struct UploadedSeriesAnswer {
     /// Content hash: a load names the series by it.
     #[schema(pattern = "^[0-9a-f]{64}$")]
     hash: String,
@@ -71,10 +71,10 @@ pub(super) struct SeriesAnswer {
 #[derive(Debug, Serialize, ToSchema)]
 pub(super) struct SeriesList {
     /// Newest first, at most 1000.
-    series: Vec<SeriesAnswer>,
+    series: Vec<UploadedSeriesAnswer>,
 }
 
-impl From<UploadedSeries> for SeriesAnswer {
+impl From<UploadedSeries> for UploadedSeriesAnswer {
     fn from(series: UploadedSeries) -> Self {
         let UploadedSeries { hash, rate_hz, count, bytes, created_at, expires_at } = series;
         let duration_s = count.saturating_sub(1) as f64 / rate_hz;
@@ -91,7 +91,7 @@ impl From<UploadedSeries> for SeriesAnswer {
     post, path = "/v1/series", tag = openapi::SCENES, operation_id = "uploadSeries", params(SeriesQuery),
     request_body(content((SeriesInput = "application/json"), (String = "text/csv")), description = "At most 2 million values and 32 MiB"),
     responses(
-        (status = 201, description = "The series is stored", body = SeriesAnswer,
+        (status = 201, description = "The series is stored", body = UploadedSeriesAnswer,
             headers(("Location" = String, description = "Path of the series"))),
         BadSeries, NotAccepted, NoSpace, Anywhere
     )
@@ -113,7 +113,7 @@ pub async fn upload(
         samples.map(|samples| PackedSeries::new(&samples))
     });
     let packed = packed.await??.map_err(ApiError::from)?;
-    let answer = SeriesAnswer::from(app.jobs.add_series(&owner, &packed).await?);
+    let answer = UploadedSeriesAnswer::from(app.jobs.add_series(&owner, &packed).await?);
     let location = HeaderValue::try_from(format!("/v1/series/{}", answer.hash)).map_err(|_| ApiError::Internal)?;
     Ok((StatusCode::CREATED, [(LOCATION, location)], Json(answer)).into_response())
 }
@@ -132,7 +132,7 @@ pub async fn list(
     _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, OFFERED)?;
-    let series = app.jobs.all_series(&owner).await?.into_iter().map(SeriesAnswer::from).collect();
+    let series = app.jobs.all_series(&owner).await?.into_iter().map(UploadedSeriesAnswer::from).collect();
     Ok(Json(SeriesList { series }).into_response())
 }
 
@@ -142,7 +142,7 @@ pub async fn list(
 #[utoipa::path(
     get, path = "/v1/series/{hash}", tag = openapi::SCENES, operation_id = "showSeries",
     params(("hash" = String, Path, description = "Content hash", pattern = "^[0-9a-f]{64}$")),
-    responses((status = 200, description = "The series", body = SeriesAnswer), BadQuery, NoSeries, NotAccepted, Anywhere)
+    responses((status = 200, description = "The series", body = UploadedSeriesAnswer), BadQuery, NoSeries, NotAccepted, Anywhere)
 )]
 pub async fn show(
     State(app): State<App>,
@@ -152,7 +152,7 @@ pub async fn show(
     _: Query<NoQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, OFFERED)?;
-    Ok(Json(SeriesAnswer::from(app.jobs.uploaded_series(&owner, &hash).await?)).into_response())
+    Ok(Json(UploadedSeriesAnswer::from(app.jobs.uploaded_series(&owner, &hash).await?)).into_response())
 }
 
 /// Delete an uploaded series

@@ -159,7 +159,7 @@ pub struct ShockInput {
 #[serde(deny_unknown_fields)]
 pub struct LoadSeriesInput {
     /// Content hash that `POST /v1/series` answers.
-    #[schema(pattern = "^[0-9a-f]{64}$", example = "3b1f…")]
+    #[schema(pattern = "^[0-9a-f]{64}$", example = "6f0c4b3e5f7a1d2c8b9e0f1a2b3c4d5e6f708192a3b4c5d6e7f8091a2b3c4d5e")]
     pub hash: String,
 }
 
