@@ -462,6 +462,22 @@ def dependencies():
             yield f"raceway-core must not depend on {name}, which is built with {tool}"
 
 
+SCHEMA = re.compile(r"derive\([^)]*ToSchema[^)]*\)\]\s*((?:#\[(?:[^\[\]]|\[[^\]]*\])*\]\s*)*)(?:pub(?:\([^)]*\))?\s+)?(?:struct|enum)\s+(\w+)")
+RENAMED = re.compile(r"schema\(as = (\w+)\)")
+
+
+def schemas_of_one_name():
+    """Types whose schemas have one name: the document would describe only one of them."""
+    places = {}
+    for file in sorted((ROOT / "src").rglob("*.rs")):
+        for attributes, name in SCHEMA.findall(file.read_text(encoding="utf-8")):
+            renamed = RENAMED.search(attributes)
+            places.setdefault(renamed.group(1) if renamed else name, []).append(file.relative_to(ROOT))
+    for name, files in places.items():
+        if len(files) > 1:
+            yield f"the schema {name} has {len(files)} types: {', '.join(map(str, files))}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--root", metavar="DIR")
@@ -503,6 +519,7 @@ def main():
               for text in sorted(set(faults) - known)]
     wrong += [f"{text}: no longer there; remove the line from {KNOWN.name}" for text in sorted(known - set(faults))]
     wrong += dependencies()
+    wrong += schemas_of_one_name()
     for fault in wrong:
         print(f"FAILED: {fault}", file=sys.stderr)
     if not wrong:
