@@ -287,7 +287,8 @@ def main(server):
         refused = sum((client.refused for client in clients), collections.Counter())
         print(f"history: {JOBS} jobs in {took:.0f} s; of {relay.writes} writes {relay.cuts['unsent']} were not sent and {relay.cuts['unanswered']} "
               f"were committed without answer; refused requests: {dict(refused)}; slowest answer {max(c.slowest_s for c in clients):.1f} s")
-        check(relay.cuts["unanswered"] >= JOBS / 4, "answers to commits were lost")
+        # About 20 of 60 jobs' writes lose their answer, by chance; 12 runs had 12 to 25.
+        check(relay.cuts["unanswered"] >= JOBS / 10, "answers to commits were lost")
         paths = collections.defaultdict(set)
         for client in clients:
             for key, path in client.made:
