@@ -150,7 +150,7 @@ async fn upload_series(
 ) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[JSON])?;
     let samples = match format {
-        SeriesFormat::Json => uploaded_series::of_json(&body)?,
+        SeriesFormat::Json => uploaded_series::of_json(rate_hz, &body)?,
         SeriesFormat::Csv => uploaded_series::of_csv(rate_hz, &body)?,
     };
     assert!(samples.values().iter().all(|value| value.is_finite()));

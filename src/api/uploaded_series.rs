@@ -40,7 +40,7 @@ pub(super) struct SeriesInput {
 #[into_params(parameter_in = Query)]
 #[serde(deny_unknown_fields)]
 pub struct SeriesQuery {
-    /// Values per second of a body in CSV [Hz]; required there.
+    /// Values per second of a body in CSV [Hz]; required there. In JSON the field of the body counts.
     #[param(nullable = false, minimum = 100, maximum = 200_000, example = 1000.0)]
     pub(super) rate_hz: Option<f64>,
 }
@@ -107,7 +107,7 @@ pub async fn upload(
     negotiated(&headers, OFFERED)?;
     let packed = computed(&permit, move |_| {
         let samples = match format {
-            SeriesFormat::Json => of_json(&body),
+            SeriesFormat::Json => of_json(rate_hz, &body),
             SeriesFormat::Csv => of_csv(rate_hz, &body),
         };
         samples.map(|samples| PackedSeries::new(&samples))
@@ -175,11 +175,12 @@ pub async fn delete(
     Ok(StatusCode::NO_CONTENT.into_response())
 }
 
-pub(super) fn of_json(body: &[u8]) -> Result<Samples, Refusal> {
+pub(super) fn of_json(query_rate_hz: Option<f64>, body: &[u8]) -> Result<Samples, Refusal> {
     let input: SeriesInput = serde_json::from_slice(body).map_err(|error| match error.classify() {
         serde_json::error::Category::Data => FieldError::new("", error.to_string()).into(),
         _ => Refusal::NotJson { detail: error.to_string() },
     })?;
+    query_rate_hz.map_or(Ok(()), |rate_hz| check_rate(rate_hz, ""))?;
     samples(input.rate_hz, input.values, "/rate_hz")
 }
 
@@ -208,14 +209,19 @@ pub(super) fn of_csv(rate_hz: Option<f64>, body: &[u8]) -> Result<Samples, Refus
 
 /// `rate_pointer`: pointer to the rate in the body.
 fn samples(rate_hz: f64, values: Vec<f64>, rate_pointer: &str) -> Result<Samples, Refusal> {
-    let [lowest, highest] = RATES;
-    if !(lowest..=highest).contains(&rate_hz) {
-        let detail = format!("rate_hz {rate_hz} Hz: must be from {lowest} to {highest} Hz");
-        return Err(FieldError::new(rate_pointer, detail).into());
-    }
+    check_rate(rate_hz, rate_pointer)?;
     let count = values.len();
     let detail = format!("{count} values: must be from 2 to {MOST_VALUES}, all finite");
     Samples::new(rate_hz, values).ok_or_else(|| FieldError::new("/values", detail).into())
+}
+
+fn check_rate(rate_hz: f64, pointer: &str) -> Result<(), Refusal> {
+    let [lowest, highest] = RATES;
+    if (lowest..=highest).contains(&rate_hz) {
+        return Ok(());
+    }
+    let detail = format!("rate_hz {rate_hz} Hz: must be from {lowest} to {highest} Hz");
+    Err(FieldError::new(pointer, detail).into())
 }
 
 #[cfg(test)]
@@ -225,7 +231,7 @@ mod tests {
     #[test]
     fn csv_and_json_give_the_same_values() {
         let csv = of_csv(Some(1000.0), b"force_n\r\n0\r\n 12.5\n\n-3e1\n").unwrap();
-        let json = of_json(br#"{"rate_hz": 1000, "values": [0, 12.5, -30]}"#).unwrap();
+        let json = of_json(None, br#"{"rate_hz": 1000, "values": [0, 12.5, -30]}"#).unwrap();
         assert_eq!(csv, json);
     }
 
@@ -235,8 +241,9 @@ mod tests {
         assert!(text(of_csv(None, b"1\n2")).contains("rate_hz"));
         assert!(text(of_csv(Some(1e3), b"1\n2;3")).contains("line 2: `2;3`"));
         assert!(text(of_csv(Some(1e3), b"1\n2\ninf")).contains("line 3"));
-        assert!(text(of_json(br#"{"rate_hz": 10, "values": [0, 1]}"#)).contains("must be from 100 to 200000 Hz"));
-        assert!(text(of_json(br#"{"rate_hz": 1000, "values": [0]}"#)).contains("1 values"));
-        assert!(matches!(of_json(b"{"), Err(Refusal::NotJson { .. })));
+        assert!(text(of_json(None, br#"{"rate_hz": 10, "values": [0, 1]}"#)).contains("must be from 100 to 200000 Hz"));
+        assert!(text(of_json(None, br#"{"rate_hz": 1000, "values": [0]}"#)).contains("1 values"));
+        assert!(text(of_json(Some(99.0), br#"{"rate_hz": 1000, "values": [0, 1]}"#)).contains("rate_hz 99 Hz"));
+        assert!(matches!(of_json(None, b"{"), Err(Refusal::NotJson { .. })));
     }
 }
