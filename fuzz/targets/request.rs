@@ -72,7 +72,8 @@ fn check(method: &str, target: &str, answer: &Answer) {
     }
     // A fragment is not part of the request target.
     let path = target.split(['?', '#']).next().unwrap_or_default();
-    if answer.status == 200 && (path.ends_with("/spectrum") || path.ends_with("/series")) {
+    let is_of_job = path.starts_with("/v1/jobs/");
+    if answer.status == 200 && is_of_job && (path.ends_with("/spectrum") || path.ends_with("/series")) {
         signal(header("content-type"), &answer.body);
     }
 }
