@@ -4,7 +4,7 @@ or instead of sending it. Clients with idempotency keys repeat what was not answ
 
 Afterwards each key has one job, each job has ended once, and a cancellation that was answered is kept. A trigger records every
 change of a status; the reads of a job show these states in their order. JOBS, SECONDS (for the ends after the last submission),
-SEED and PERCENT (writes that are cut) are 60, 60, 1 and 8 by default."""
+SEED and PERCENT (writes that are cut) are 60, 60, 1 and 14 by default."""
 
 import collections
 import contextlib
@@ -25,7 +25,7 @@ from service import ROOT, Service, binary, check, clean_environment  # noqa: E40
 JOBS = int(os.environ.get("JOBS", "60"))
 SECONDS = float(os.environ.get("SECONDS", "60"))
 SEED = int(os.environ.get("SEED", "1"))
-CUT = float(os.environ.get("PERCENT", "8")) / 100
+CUT = float(os.environ.get("PERCENT", "14")) / 100
 CLIENTS = 6
 LONGEST_S = 30
 ENDS = ("succeeded", "failed", "cancelled")
@@ -287,8 +287,7 @@ def main(server):
         refused = sum((client.refused for client in clients), collections.Counter())
         print(f"history: {JOBS} jobs in {took:.0f} s; of {relay.writes} writes {relay.cuts['unsent']} were not sent and {relay.cuts['unanswered']} "
               f"were committed without answer; refused requests: {dict(refused)}; slowest answer {max(c.slowest_s for c in clients):.1f} s")
-        # About 20 of 60 jobs' writes lose their answer, by chance; 12 runs had 12 to 25.
-        check(relay.cuts["unanswered"] >= JOBS / 10, "answers to commits were lost")
+        check(relay.cuts["unanswered"] >= JOBS / 4, "answers to commits were lost")
         paths = collections.defaultdict(set)
         for client in clients:
             for key, path in client.made:

@@ -74,7 +74,7 @@ fn accepted(job: &Job) {
             }
         }
         Job::Optimum(search) => assert!(search.most_runs() > 0),
-        // A rotor has no scene to resolve, and was left above.
+        // Rotors and machines have no scene to resolve, and were left above.
         Job::Simulation(_) | Job::Accuracy(_) | Job::Rotor(_) | Job::Machine(_) => {}
     }
 }
