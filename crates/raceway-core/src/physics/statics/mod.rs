@@ -10,6 +10,7 @@ pub mod ring;
 pub mod shaft;
 
 pub(crate) use balance::{FIRST_STEP, MAX_RELATIVE_DEPTH};
+pub(crate) use ball::OF_BALL;
 pub use ball::{Matrix, Pose, RingBearing, Wrench};
 
 #[cfg(test)]
