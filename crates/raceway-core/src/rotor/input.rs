@@ -9,7 +9,7 @@ use crate::physics::frame::support::{PORT, Support};
 use crate::physics::statics::ring::NoBalance;
 use crate::physics::statics::shaft::Mounted;
 
-/// Largest slope of the shaft in a bearing [rad]: its sine is smaller by 0.2 %.
+/// Largest slope of the shaft under its loads [rad]: its sine is smaller by 0.2 %.
 pub(super) const MOST_SLOPE: f64 = 0.1;
 /// Smallest stiffness of a rigid motion that holds it, relative to the largest [-]: below it, rounding decides.
 const LEAST_STIFFNESS: f64 = 1e-12;
@@ -108,8 +108,8 @@ pub enum RotorError {
 /// Reason why a shaft has no static equilibrium. Bearings count from 1 along `scene.bearings`.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoEquilibrium {
-    #[error("{residual:.3e} N stay unbalanced of {applied:.3e} N applied")]
-    Unbalanced { residual: f64, applied: f64 },
+    #[error(transparent)]
+    Unbalanced(#[from] NoBalance),
     #[error("in bearing {bearing}, {source}")]
     Bearing { bearing: usize, source: NoBalance },
     /// The inner ring has left its balls.
@@ -118,6 +118,6 @@ pub enum NoEquilibrium {
     )]
     Departs { bearing: usize, direction: &'static str, displacement: f64, limit: f64 },
     /// Bending and levers are linear.
-    #[error("the shaft leans by {slope:.2} rad in bearing {bearing}; linear bending holds up to {MOST_SLOPE} rad")]
-    Leans { bearing: usize, slope: f64 },
+    #[error("the shaft leans by {slope:.2} rad at {} mm; linear bending holds up to {MOST_SLOPE} rad", 1e3 * at)]
+    Leans { at: f64, slope: f64 },
 }

@@ -2,12 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorBearing, RotorError};
+use super::input::{NoEquilibrium, Rotor, RotorBearing, RotorError};
 use super::potential::RotorPotential;
-use crate::numerics::minimum::Search;
 use crate::physics::frame::support::{PORT, PortMatrix};
 use crate::physics::statics::ring::RingState;
-use crate::physics::statics::{FIRST_STEP, Pose, Wrench};
+use crate::physics::statics::{FIRST_STEP, Pose, Wrench, check_residual, search};
 
 /// Shaft and bearings in equilibrium at a speed.
 #[derive(Debug, Clone)]
@@ -23,15 +22,6 @@ pub struct Frame<'a> {
     pub load: &'a DVector<f64>,
     pub ports: &'a [DMatrix<f64>],
 }
-
-/// Residual at which a search ends, and the largest that is taken for rounding, relative to all forces [-].
-const CONVERGED: f64 = 1e-11;
-const ROUNDING: f64 = 1e-6;
-/// The same, absolute [N].
-const LEAST_CONVERGED: f64 = 1e-12;
-const LEAST_ROUNDING: f64 = 1e-9;
-/// Longest step over the largest pitch radius [-].
-const LONGEST_STEP: f64 = 0.01;
 
 /// The equilibrium at a speed [rad/s], searched from a neighbouring one.
 ///
@@ -72,11 +62,7 @@ impl Equilibrium<'_> {
     fn search(&self, mut place: Vec<f64>, first_damping: f64) -> Result<OperatingPoint, NoEquilibrium> {
         let pitch_radii = self.rotor.bearings.iter().map(|bearing| bearing.mounted.bearing.pitch_radius());
         let force = self.potential.force(&place);
-        let search = Search {
-            converged: CONVERGED * force + LEAST_CONVERGED,
-            longest_step: LONGEST_STEP * pitch_radii.fold(0.0, f64::max),
-            first_damping,
-        };
+        let search = search(force, pitch_radii.fold(0.0, f64::max), first_damping);
         let slopes = search.minimise(&self.potential, &mut place);
         for ((index, bearing), (pose, balls)) in
             self.rotor.bearings.iter().enumerate().zip(self.potential.rings(&place))
@@ -85,10 +71,7 @@ impl Equilibrium<'_> {
             let is_in_reach = bearing.mounted.bearing.check_depth(&pose, self.speed, balls);
             is_in_reach.map_err(|source| NoEquilibrium::Bearing { bearing: index + 1, source })?;
         }
-        let residual = slopes.residual();
-        if residual.is_nan() || residual > ROUNDING * force + LEAST_ROUNDING {
-            return Err(NoEquilibrium::Unbalanced { residual, applied: force });
-        }
+        check_residual(slopes.residual(), force)?;
         let of_balls = slopes.gradient.len() - self.potential.len();
         let of_balls = slopes.gradient[..of_balls].iter().map(|slope| slope.abs()).fold(search.converged, f64::max);
         let rings = self
@@ -101,17 +84,15 @@ impl Equilibrium<'_> {
     }
 }
 
-/// Refuses an inner ring beyond the reach of its balls, and slopes beyond those of linear bending.
+/// Refuses an inner ring beyond the reach of its balls.
 fn check_pose(index: usize, bearing: &RotorBearing, pose: &Pose) -> Result<(), NoEquilibrium> {
-    let [x, y, z, about_y, about_z] = *pose;
+    let [x, y, z, ..] = *pose;
     let (play, bearing) = (bearing.mounted.bearing.play(), index + 1);
     let departs = |direction, displacement, limit| NoEquilibrium::Departs { bearing, direction, displacement, limit };
     if y.hypot(z) > play.radial {
         Err(departs("radially", y.hypot(z), play.radial))
     } else if x.abs() > play.axial {
         Err(departs("axially", x.abs(), play.axial))
-    } else if about_y.hypot(about_z) > MOST_SLOPE {
-        Err(NoEquilibrium::Leans { bearing, slope: about_y.hypot(about_z) })
     } else {
         Ok(())
     }
@@ -126,3 +107,6 @@ pub fn wrench(bearing: &RotorBearing, ring: &RingState) -> Wrench {
 pub fn in_nalgebra(matrix: &PortMatrix) -> DMatrix<f64> {
     DMatrix::from_fn(PORT, PORT, |row, column| matrix[row][column])
 }
+
+#[cfg(test)]
+mod tests;

@@ -25,6 +25,17 @@ pub(crate) const MAX_RELATIVE_DEPTH: f64 = 0.5;
 /// and be rejected.
 pub(crate) const FIRST_STEP: f64 = 1e-5;
 
+/// The search of a balance under forces of a size [N], of balls on circles up to a pitch radius [m].
+pub(crate) fn search(force: f64, pitch_radius: f64, first_damping: f64) -> Search {
+    Search { converged: 1e-11 * force + 1e-12, longest_step: 0.01 * pitch_radius, first_damping }
+}
+
+/// Refuses a residual beyond the rounding of forces of a size [N].
+pub(crate) fn check_residual(residual: f64, applied: f64) -> Result<(), NoBalance> {
+    let is_rounding = residual <= 1e-6 * applied + 1e-9;
+    if is_rounding { Ok(()) } else { Err(NoBalance::Unbalanced { residual, applied }) }
+}
+
 /// A bearing whose pose follows the common freedoms: `base` and the sum of `by` times the freedoms.
 #[derive(Debug, Clone)]
 pub(super) struct Link<'a> {
@@ -81,12 +92,10 @@ impl RingBearing {
         let (of_balls, of_ring) = gradient.split_at_mut(places.len());
         let mut hessian = Bordered::zeros(self.entries(), FREEDOMS);
         let balls = slopes_of_balls(self, pose, speed, places.as_chunks().0.iter().copied());
-        for ((ball, block), slope) in balls.zip(&mut hessian.blocks).zip(of_balls.chunks_exact_mut(OF_BALL)) {
+        for ((ball, block), slope) in balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut().0) {
             value += share * ball.energy;
-            for k in 0..OF_BALL {
-                slope[k] = share * ball.gradient[k];
-                block.diagonal[k] = share * ball.hessian[k][k];
-            }
+            *slope = [share * ball.gradient[0], share * ball.gradient[1]];
+            block.diagonal = [share * ball.hessian[0][0], share * ball.hessian[1][1]];
             block.between = share * ball.hessian[1][0];
             for k in 0..FREEDOMS {
                 for (column, entries) in block.border.iter_mut().enumerate() {
@@ -138,15 +147,9 @@ impl Balance<'_> {
         place.extend(&border[..self.width]);
         let force = self.force(&place);
         let radius = self.links.iter().map(|link| link.bearing.pitch_radius).fold(0.0, f64::max);
-        let search = Search {
-            converged: 1e-11 * force + 1e-12,
-            longest_step: 0.01 * radius,
-            first_damping: if balls.is_some() { 0.0 } else { force / FIRST_STEP },
-        };
+        let search = search(force, radius, if balls.is_some() { 0.0 } else { force / FIRST_STEP });
         let residual = search.minimise(self, &mut place).residual();
-        if residual.is_nan() || residual > 1e-6 * force + 1e-9 {
-            return Err(NoBalance::Unbalanced { residual, applied: force });
-        }
+        check_residual(residual, force)?;
         let (border, balls) = self.parts(&place);
         for (link, balls) in self.links.iter().zip(&balls) {
             link.bearing.check_depth(&link.pose(&border[..self.width]), self.speed, balls.as_flattened())?;
