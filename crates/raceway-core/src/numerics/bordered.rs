@@ -30,12 +30,18 @@ impl<const B: usize> Bordered<B> {
     }
 
     /// The matrix with a number added to its diagonal.
-    pub fn shifted(mut self, by: f64) -> Self {
+    pub fn shifted(self, by: f64) -> Self {
+        let mut shifted = self.with_shifted_blocks(by);
+        for row in 0..shifted.width {
+            shifted.border[row][row] += by;
+        }
+        shifted
+    }
+
+    /// The matrix with a number added to the diagonals of its blocks.
+    pub fn with_shifted_blocks(mut self, by: f64) -> Self {
         for block in &mut self.blocks {
             block.diagonal = block.diagonal.map(|entry| entry + by);
-        }
-        for row in 0..self.width {
-            self.border[row][row] += by;
         }
         self
     }
@@ -60,25 +66,31 @@ impl<const B: usize> Bordered<B> {
         std::array::from_fn(|row| std::array::from_fn(|column| lower[row.max(column)][row.min(column)]))
     }
 
-    /// The Cholesky factor, a matrix of the same shape; `None` unless the matrix is positive definite.
-    pub fn factor(mut self) -> Option<Factor<B>> {
+    /// The matrix with its blocks factored and eliminated onto the border; `None` unless every block is positive definite.
+    pub fn eliminated(mut self) -> Option<Eliminated<B>> {
         for block in &mut self.blocks {
             block.factor(self.width)?;
             block.eliminate(&mut self.border, self.width);
         }
-        for column in 0..self.width {
+        Some(Eliminated(self))
+    }
+
+    /// The Cholesky factor, a matrix of the same shape; `None` unless the matrix is positive definite.
+    pub fn factor(self) -> Option<Factor<B>> {
+        let Eliminated(mut of) = self.eliminated()?;
+        for column in 0..of.width {
             for before in 0..column {
-                for row in column..self.width {
-                    self.border[row][column] -= self.border[column][before] * self.border[row][before];
+                for row in column..of.width {
+                    of.border[row][column] -= of.border[column][before] * of.border[row][before];
                 }
             }
-            let diagonal = positive_root(self.border[column][column])?;
-            self.border[column][column] = diagonal;
-            for row in column + 1..self.width {
-                self.border[row][column] /= diagonal;
+            let diagonal = positive_root(of.border[column][column])?;
+            of.border[column][column] = diagonal;
+            for row in column + 1..of.width {
+                of.border[row][column] /= diagonal;
             }
         }
-        Some(Factor(self))
+        Some(Factor(Eliminated(of)))
     }
 }
 
@@ -111,32 +123,36 @@ fn positive_root(square: f64) -> Option<f64> {
     (square > 0.0).then(|| square.sqrt())
 }
 
+/// A matrix with its blocks eliminated onto the border.
+#[derive(Debug, Clone)]
+pub struct Eliminated<const B: usize>(Bordered<B>);
+
 /// A Cholesky factor.
 #[derive(Debug, Clone)]
-pub struct Factor<const B: usize>(Bordered<B>);
+pub struct Factor<const B: usize>(Eliminated<B>);
 
-impl<const B: usize> Factor<B> {
-    /// Replaces a right-hand side by the solution.
-    pub fn solve(&self, values: &mut [f64]) {
-        let Bordered { blocks, border, width } = &self.0;
-        let (of_blocks, of_border) = values.split_at_mut(2 * blocks.len());
-        for (block, pair) in blocks.iter().zip(of_blocks.chunks_exact_mut(2)) {
+impl<const B: usize> Eliminated<B> {
+    /// What remains of the border, in the lower triangle.
+    pub fn border(&self) -> &[[f64; B]; B] {
+        &self.0.border
+    }
+
+    /// Eliminates the blocks of a right-hand side onto its border.
+    pub fn reduce(&self, values: &mut [f64]) {
+        let (of_blocks, of_border) = values.split_at_mut(2 * self.0.blocks.len());
+        for (block, pair) in self.0.blocks.iter().zip(of_blocks.chunks_exact_mut(2)) {
             pair[0] /= block.diagonal[0];
             pair[1] = (pair[1] - pair[0] * block.between) / block.diagonal[1];
             for (row, value) in of_border.iter_mut().enumerate() {
                 *value = *value - pair[0] * block.border[0][row] - pair[1] * block.border[1][row];
             }
         }
-        for column in 0..*width {
-            of_border[column] /= border[column][column];
-            for row in column + 1..*width {
-                of_border[row] -= of_border[column] * border[row][column];
-            }
-        }
-        for column in (0..*width).rev() {
-            let below = (column + 1..*width).map(|row| border[row][column] * of_border[row]).sum::<f64>();
-            of_border[column] = (of_border[column] - below) / border[column][column];
-        }
+    }
+
+    /// Replaces a reduced right-hand side, whose border is solved, by the solution.
+    pub fn restore(&self, values: &mut [f64]) {
+        let Bordered { blocks, width, .. } = &self.0;
+        let (of_blocks, of_border) = values.split_at_mut(2 * blocks.len());
         for (index, (block, pair)) in blocks.iter().zip(of_blocks.chunks_exact_mut(2)).enumerate().rev() {
             // Entries between a column of the block and the border.
             let gap = 2 * (blocks.len() - 1 - index);
@@ -149,6 +165,26 @@ impl<const B: usize> Factor<B> {
             of(0).enumerate().for_each(|(row, product)| first.add(1 + gap + row, product));
             pair[0] = (pair[0] - first.total()) / block.diagonal[0];
         }
+    }
+}
+
+impl<const B: usize> Factor<B> {
+    /// Replaces a right-hand side by the solution.
+    pub fn solve(&self, values: &mut [f64]) {
+        self.0.reduce(values);
+        let Bordered { blocks, border, width } = &self.0.0;
+        let of_border = &mut values[2 * blocks.len()..];
+        for column in 0..*width {
+            of_border[column] /= border[column][column];
+            for row in column + 1..*width {
+                of_border[row] -= of_border[column] * border[row][column];
+            }
+        }
+        for column in (0..*width).rev() {
+            let below = (column + 1..*width).map(|row| border[row][column] * of_border[row]).sum::<f64>();
+            of_border[column] = (of_border[column] - below) / border[column][column];
+        }
+        self.0.restore(values);
     }
 }
 

@@ -1,20 +1,41 @@
-//! The minimum of a function of blocks of two unknowns and a border, by a damped Newton search (Levenberg–Marquardt).
+//! The minimum of a function by a damped Newton search (Levenberg–Marquardt).
 
 use super::bordered::Bordered;
 
-/// A function of blocks of two unknowns and a border of at most `B`, such as a potential [J] of places [m].
-pub(crate) trait Potential<const B: usize> {
-    fn slopes(&self, place: &[f64]) -> Slopes<B>;
+/// A function such as a potential [J] of places [m].
+pub(crate) trait Potential {
+    /// Second derivatives.
+    type Curvature;
+
+    fn slopes(&self, place: &[f64]) -> Slopes<Self::Curvature>;
+
+    /// The step −(H + μ)⁻¹ g from slopes with a damping μ; `None` unless the damped matrix is positive definite.
+    fn step(&self, slopes: &Slopes<Self::Curvature>, damping: f64) -> Option<Vec<f64>>;
+
+    /// What forces without a potential add to the function on a short way, as if they were constant; the gradient holds them, too.
+    fn follows(&self, _from: &[f64], _to: &[f64]) -> f64 {
+        0.0
+    }
 }
 
 /// A function at a place, with its derivatives.
-pub(crate) struct Slopes<const B: usize> {
+pub(crate) struct Slopes<H> {
     pub(crate) value: f64,
     pub(crate) gradient: Vec<f64>,
-    pub(crate) hessian: Bordered<B>,
+    pub(crate) hessian: H,
 }
 
-impl<const B: usize> Slopes<B> {
+impl<const B: usize> Slopes<Bordered<B>> {
+    /// The step −(H + μ)⁻¹ g with a damping μ.
+    pub(crate) fn bordered_step(&self, damping: f64) -> Option<Vec<f64>> {
+        let factor = self.hessian.clone().shifted(damping).factor()?;
+        let mut step: Vec<f64> = self.gradient.iter().map(|slope| -slope).collect();
+        factor.solve(&mut step);
+        Some(step)
+    }
+}
+
+impl<H> Slopes<H> {
     /// Largest entry of the gradient.
     pub(crate) fn residual(&self) -> f64 {
         largest(&self.gradient)
@@ -38,19 +59,18 @@ const DAMPING_RANGE: [f64; 2] = [1e-9, 1e25];
 
 impl Search {
     /// Moves a place to the minimum, and returns the derivatives there. They have the smallest residual that was found where it does not converge.
-    pub(crate) fn minimise<const B: usize>(&self, potential: &impl Potential<B>, place: &mut Vec<f64>) -> Slopes<B> {
+    pub(crate) fn minimise<P: Potential>(&self, potential: &P, place: &mut Vec<f64>) -> Slopes<P::Curvature> {
         let mut damping = self.first_damping;
+        let more = |damping: f64| (10.0 * damping).max(DAMPING_RANGE[0]);
         let mut here = potential.slopes(place);
         for _ in 0..MAX_STEPS {
             if here.residual() <= self.converged {
                 break;
             }
-            let Some(factor) = here.hessian.clone().shifted(damping).factor() else {
-                damping *= 10.0;
+            let Some(mut step) = potential.step(&here, damping) else {
+                damping = more(damping);
                 continue;
             };
-            let mut step: Vec<f64> = here.gradient.iter().map(|slope| -slope).collect();
-            factor.solve(&mut step);
             let longest = largest(&step);
             if !longest.is_finite() {
                 break;
@@ -61,11 +81,12 @@ impl Search {
             let next: Vec<f64> = place.iter().zip(&step).map(|(at, part)| at + part).collect();
             let there = potential.slopes(&next);
             // Close to the minimum the value no longer resolves the step, and the gradient decides.
-            if there.value < here.value || there.residual() < here.residual() {
+            let rises = there.value + potential.follows(place, &next);
+            if rises < here.value || there.residual() < here.residual() {
                 (*place, here) = (next, there);
                 damping = (0.1 * damping).max(DAMPING_RANGE[0]);
             } else {
-                damping *= 10.0;
+                damping = more(damping);
                 if damping > DAMPING_RANGE[1] {
                     break;
                 }

@@ -1,6 +1,6 @@
 //! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::input::{Rotor, RotorError};
 use crate::physics::frame::mesh::{Matrices, Mesh};
@@ -82,6 +82,19 @@ impl Coordinates {
             rows[(4, y + index)] = slope;
         }
         rows
+    }
+
+    /// Largest slope of the shaft [rad], and its place [m].
+    pub fn largest_slope(&self, coordinates: &DVector<f64>) -> (f64, f64) {
+        let (y, z) = (self.axials(), self.axials() + self.laterals());
+        let slope = |node: usize| {
+            let by = || self.bending.row(2 * node + 1).enumerate();
+            let along_y: f64 = by().map(|(index, slope)| slope * coordinates[y + index]).sum();
+            let along_z: f64 = by().map(|(index, slope)| slope * coordinates[z + index]).sum();
+            along_y.hypot(along_z)
+        };
+        let slopes = self.mesh.nodes.iter().enumerate().map(|(node, place)| (slope(node), *place));
+        slopes.fold((0.0, 0.0), |most, slope| if slope.0 > most.0 { slope } else { most })
     }
 
     /// Forces on the coordinates of the weight along Y [N]. The first shape of a plane, its translation, takes all of it: the

@@ -6,8 +6,11 @@ use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::shaft::Shaft;
 use crate::physics::frame::support::{PORT, Support};
+use crate::physics::statics::ring::NoBalance;
 use crate::physics::statics::shaft::Mounted;
 
+/// Largest slope of the shaft under its loads [rad]: its sine is smaller by 0.2 %.
+pub(super) const MOST_SLOPE: f64 = 0.1;
 /// Smallest stiffness of a rigid motion that holds it, relative to the largest [-]: below it, rounding decides.
 const LEAST_STIFFNESS: f64 = 1e-12;
 
@@ -92,12 +95,29 @@ pub enum RotorError {
     )]
     Unsolved,
     /// No position of the shaft was found at which the bearings carry its loads.
-    #[error("no static equilibrium of shaft and bearings was found at {0:.1} rad/s")]
-    NoEquilibrium(f64),
+    #[error("no static equilibrium of shaft and bearings at {speed:.1} rad/s: {cause}")]
+    NoEquilibrium { speed: f64, cause: NoEquilibrium },
     /// The caller no longer wants the result.
     #[error("stopped")]
     Stopped,
     /// A shaft without mass, or with lengths too far apart for double precision.
     #[error("the shaft has no free modes")]
     Singular,
+}
+
+/// Reason why a shaft has no static equilibrium. Bearings count from 1 along `scene.bearings`.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NoEquilibrium {
+    #[error(transparent)]
+    Unbalanced(#[from] NoBalance),
+    #[error("in bearing {bearing}, {source}")]
+    Bearing { bearing: usize, source: NoBalance },
+    /// The inner ring has left its balls.
+    #[error(
+        "the inner ring of bearing {bearing} moves {direction} by {displacement:.2e} m, but its balls hold it up to {limit:.2e} m only"
+    )]
+    Departs { bearing: usize, direction: &'static str, displacement: f64, limit: f64 },
+    /// Bending and levers are linear.
+    #[error("the shaft leans by {slope:.2} rad at {} mm; linear bending holds up to {MOST_SLOPE} rad", 1e3 * at)]
+    Leans { at: f64, slope: f64 },
 }

@@ -16,6 +16,7 @@ pub(crate) mod system;
 mod campbell;
 mod critical;
 mod deflection;
+mod potential;
 mod shape;
 pub(crate) mod unbalance;
 

@@ -2,10 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::input::{Rotor, RotorBearing, RotorError};
+use super::input::{NoEquilibrium, Rotor, RotorBearing, RotorError};
+use super::potential::RotorPotential;
 use crate::physics::frame::support::{PORT, PortMatrix};
 use crate::physics::statics::ring::RingState;
-use crate::physics::statics::{Pose, Wrench};
+use crate::physics::statics::{FIRST_STEP, Pose, Wrench, check_residual, search};
 
 /// Shaft and bearings in equilibrium at a speed.
 #[derive(Debug, Clone)]
@@ -22,102 +23,79 @@ pub struct Frame<'a> {
     pub ports: &'a [DMatrix<f64>],
 }
 
-/// Remainder of the forces, relative to all forces, at which an equilibrium has converged [-].
-const CONVERGED: f64 = 1e-10;
-const MOST_STEPS: usize = 300;
-/// Restoring stiffness of the first step over the mass [1/s²], that of 50 Hz: loose bearings have none of their own.
-const FIRST_HOLD: f64 = 1e5;
-
 /// The equilibrium at a speed [rad/s], searched from a neighbouring one.
 ///
-/// Newton's method with a hold μ on every coordinate, (K + K_b + μ) Δq = r, which grows where a step fails and fades as the remainder
-/// falls (pseudo-transient continuation; C. T. Kelley & D. E. Keyes, *SIAM J. Numer. Anal.* 35 (1998) 508).
+/// It is the least potential of shaft and balls together. A search for the balls inside one for the shaft would meet balls between two open
+/// contacts, which have no place of their own.
 pub fn operating_point(
     frame: &Frame<'_>,
     rotor: &Rotor,
     speed: f64,
     start: Option<&OperatingPoint>,
 ) -> Result<OperatingPoint, RotorError> {
-    let failed = || RotorError::NoEquilibrium(speed);
-    let size = frame.load.len();
-    let (mut at, mut hold) = match start {
-        Some(start) => (evaluated(frame, rotor, speed, start.coordinates.clone(), Some(start)), 0.0),
-        None => (None, FIRST_HOLD),
-    };
-    if at.is_none() {
-        at = evaluated(frame, rotor, speed, DVector::zeros(size), None);
-        hold = FIRST_HOLD;
-    }
-    let mut at = at.ok_or_else(failed)?;
-    for _ in 0..MOST_STEPS {
-        if at.remainder <= CONVERGED * at.applied {
-            return Ok(at.point);
-        }
-        let mut matrix = frame.stiffness.clone();
-        for ((port, bearing), ring) in frame.ports.iter().zip(&rotor.bearings).zip(&at.point.rings) {
-            matrix += port.transpose() * in_nalgebra(&bearing.mounted.along_shaft(&ring.stiffness.mean)) * port;
-        }
-        for place in 0..size {
-            matrix[(place, place)] += hold;
-        }
-        let step = matrix.lu().solve(&at.rest).filter(|step| step.iter().all(|value| value.is_finite()));
-        let next = step.and_then(|step| evaluated(frame, rotor, speed, &at.point.coordinates + step, Some(&at.point)));
-        match next.filter(|next| next.remainder < 2.0 * at.remainder) {
-            Some(next) => {
-                let fade = (next.remainder / at.remainder).clamp(0.05, 2.0);
-                hold = if hold < 1e-6 * FIRST_HOLD { 0.0 } else { hold * fade };
-                at = next;
-            }
-            None => hold = (10.0 * hold).max(FIRST_HOLD),
-        }
-        if hold > 1e15 {
-            break;
-        }
-    }
-    Err(failed())
+    let equilibrium =
+        Equilibrium { potential: RotorPotential::new(frame, &rotor.bearings, speed, rotor.shaft.mass()), rotor, speed };
+    let found = start.and_then(|start| equilibrium.near(start).ok()).map_or_else(|| equilibrium.afresh(), Ok);
+    found.map_err(|cause| RotorError::NoEquilibrium { speed, cause })
 }
 
-/// Shaft and bearings at a displacement that need not be in equilibrium.
-struct Evaluated {
-    point: OperatingPoint,
-    /// Forces that no reaction takes.
-    rest: DVector<f64>,
-    /// Sizes of the remainder and of all forces, by the displacements that they cause.
-    remainder: f64,
-    applied: f64,
-}
-
-/// `None` where balls cannot be in equilibrium.
-fn evaluated(
-    frame: &Frame<'_>,
-    rotor: &Rotor,
+/// The search of an equilibrium.
+struct Equilibrium<'a> {
+    potential: RotorPotential<'a>,
+    rotor: &'a Rotor,
     speed: f64,
-    coordinates: DVector<f64>,
-    near: Option<&OperatingPoint>,
-) -> Option<Evaluated> {
-    let mut rest = frame.load - frame.stiffness * &coordinates;
-    // A force on a stiff coordinate matters less.
-    let weight = |forces: &DVector<f64>| -> f64 {
-        let by_place = forces.iter().enumerate();
-        by_place.map(|(k, force)| force * force / (frame.stiffness[(k, k)] + FIRST_HOLD)).sum::<f64>().sqrt()
-    };
-    let mut applied = weight(frame.load);
-    let mut rings = Vec::with_capacity(rotor.bearings.len());
-    for (index, (bearing, port)) in rotor.bearings.iter().zip(frame.ports).enumerate() {
-        let moved = port * &coordinates;
-        let pose: Pose = bearing.mounted.ring_pose(&std::array::from_fn(|k| moved[k]), 0.0);
-        let from = near.map(|near| &near.rings[index]);
-        let ring = from.and_then(|from| bearing.mounted.bearing.near(&pose, speed, from).ok());
-        let ring = ring.or_else(|| bearing.mounted.bearing.at(&pose, speed).ok())?;
-        let reaction = port.transpose() * DVector::from_row_slice(&wrench(bearing, &ring));
-        // Preloaded bearings carry each other, without a reaction of the shaft.
-        let carried = ring.wrench[..3].iter().map(|force| force * force).sum::<f64>().sqrt();
-        applied += weight(&(port.transpose() * DVector::from_row_slice(&[carried, carried, carried, 0.0, 0.0])));
-        rest += reaction;
-        rings.push(ring);
+}
+
+impl Equilibrium<'_> {
+    /// From a shaft without deflection, balls between the grooves.
+    fn afresh(&self) -> Result<OperatingPoint, NoEquilibrium> {
+        let place = self.potential.place(&DVector::zeros(self.potential.len()), None);
+        let first_damping = self.potential.force(&place) / FIRST_STEP;
+        self.search(place, first_damping)
     }
-    let remainder = weight(&rest);
-    Some(Evaluated { point: OperatingPoint { coordinates, rings }, rest, remainder, applied })
+
+    fn near(&self, start: &OperatingPoint) -> Result<OperatingPoint, NoEquilibrium> {
+        let balls = start.rings.iter().flat_map(|ring| ring.balls().as_flattened()).copied().collect();
+        self.search(self.potential.place(&start.coordinates, Some(balls)), 0.0)
+    }
+
+    fn search(&self, mut place: Vec<f64>, first_damping: f64) -> Result<OperatingPoint, NoEquilibrium> {
+        let pitch_radii = self.rotor.bearings.iter().map(|bearing| bearing.mounted.bearing.pitch_radius());
+        let force = self.potential.force(&place);
+        let search = search(force, pitch_radii.fold(0.0, f64::max), first_damping);
+        let slopes = search.minimise(&self.potential, &mut place);
+        for ((index, bearing), (pose, balls)) in
+            self.rotor.bearings.iter().enumerate().zip(self.potential.rings(&place))
+        {
+            check_pose(index, bearing, &pose)?;
+            let is_in_reach = bearing.mounted.bearing.check_depth(&pose, self.speed, balls);
+            is_in_reach.map_err(|source| NoEquilibrium::Bearing { bearing: index + 1, source })?;
+        }
+        check_residual(slopes.residual(), force)?;
+        let of_balls = slopes.gradient.len() - self.potential.len();
+        let of_balls = slopes.gradient[..of_balls].iter().map(|slope| slope.abs()).fold(search.converged, f64::max);
+        let rings = self
+            .rotor
+            .bearings
+            .iter()
+            .zip(self.potential.rings(&place))
+            .map(|(bearing, (pose, balls))| bearing.mounted.bearing.with_balls(&pose, self.speed, balls, of_balls));
+        Ok(OperatingPoint { coordinates: self.potential.coordinates(&place), rings: rings.collect() })
+    }
+}
+
+/// Refuses an inner ring beyond the reach of its balls.
+fn check_pose(index: usize, bearing: &RotorBearing, pose: &Pose) -> Result<(), NoEquilibrium> {
+    let [x, y, z, ..] = *pose;
+    let (play, bearing) = (bearing.mounted.bearing.play(), index + 1);
+    let departs = |direction, displacement, limit| NoEquilibrium::Departs { bearing, direction, displacement, limit };
+    if y.hypot(z) > play.radial {
+        Err(departs("radially", y.hypot(z), play.radial))
+    } else if x.abs() > play.axial {
+        Err(departs("axially", x.abs(), play.axial))
+    } else {
+        Ok(())
+    }
 }
 
 /// Forces and moments of a bearing on the shaft.
@@ -129,3 +107,6 @@ pub fn wrench(bearing: &RotorBearing, ring: &RingState) -> Wrench {
 pub fn in_nalgebra(matrix: &PortMatrix) -> DMatrix<f64> {
     DMatrix::from_fn(PORT, PORT, |row, column| matrix[row][column])
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinates;
-use super::input::{Rotor, RotorError};
+use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorError};
 use super::operating::{Frame, OperatingPoint, in_nalgebra, operating_point};
 use crate::numerics::quadratic_eigen::{Oscillation, growth_rate, oscillations};
 use crate::physics::frame::mesh::Mesh;
@@ -91,6 +91,10 @@ impl System {
             let held = &stiffness + &self.rotating * speed;
             let frame = Frame { stiffness: &held, load: &load, ports: &rows };
             let point = operating_point(&frame, rotor, speed, self.operating.last())?;
+            let (slope, at) = self.coordinates.largest_slope(&point.coordinates);
+            if slope > MOST_SLOPE {
+                return Err(RotorError::NoEquilibrium { speed, cause: NoEquilibrium::Leans { at, slope } });
+            }
             let (mut whole_stiffness, mut whole_damping) = (stiffness.clone(), damping.clone());
             for ((port, bearing), ring) in self.ports[first..].iter_mut().zip(&rotor.bearings).zip(&point.rings) {
                 let (k, c) = (ring.stiffness.mean, ring.damping(&bearing.damping));

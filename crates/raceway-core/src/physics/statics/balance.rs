@@ -25,6 +25,17 @@ pub(crate) const MAX_RELATIVE_DEPTH: f64 = 0.5;
 /// and be rejected.
 pub(crate) const FIRST_STEP: f64 = 1e-5;
 
+/// The search of a balance under forces of a size [N], of balls on circles up to a pitch radius [m].
+pub(crate) fn search(force: f64, pitch_radius: f64, first_damping: f64) -> Search {
+    Search { converged: 1e-11 * force + 1e-12, longest_step: 0.01 * pitch_radius, first_damping }
+}
+
+/// Refuses a residual beyond the rounding of forces of a size [N].
+pub(crate) fn check_residual(residual: f64, applied: f64) -> Result<(), NoBalance> {
+    let is_rounding = residual <= 1e-6 * applied + 1e-9;
+    if is_rounding { Ok(()) } else { Err(NoBalance::Unbalanced { residual, applied }) }
+}
+
 /// A bearing whose pose follows the common freedoms: `base` and the sum of `by` times the freedoms.
 #[derive(Debug, Clone)]
 pub(super) struct Link<'a> {
@@ -73,6 +84,55 @@ pub(super) fn slopes_of_balls<'a>(
     balls.enumerate().map(move |(index, place)| bearing.ball(bearing.azimuth(index), &axis, pose, place, centrifugal))
 }
 
+impl RingBearing {
+    /// Potential of the balls, with its slopes by their places and by the pose of the inner ring. `places`: of each ball at each place.
+    pub(crate) fn slopes(&self, pose: &Pose, speed: f64, places: &[f64]) -> Slopes<Bordered<FREEDOMS>> {
+        let (mut value, share) = (0.0, self.share());
+        let mut gradient = vec![0.0; places.len() + FREEDOMS];
+        let (of_balls, of_ring) = gradient.split_at_mut(places.len());
+        let mut hessian = Bordered::zeros(self.entries(), FREEDOMS);
+        let balls = slopes_of_balls(self, pose, speed, places.as_chunks().0.iter().copied());
+        for ((ball, block), slope) in balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut().0) {
+            value += share * ball.energy;
+            *slope = [share * ball.gradient[0], share * ball.gradient[1]];
+            block.diagonal = [share * ball.hessian[0][0], share * ball.hessian[1][1]];
+            block.between = share * ball.hessian[1][0];
+            for k in 0..FREEDOMS {
+                for (column, entries) in block.border.iter_mut().enumerate() {
+                    entries[k] = share * ball.hessian[OF_BALL + k][column];
+                }
+                of_ring[k] += share * ball.gradient[OF_BALL + k];
+                for (other, entry) in hessian.border[k][..=k].iter_mut().enumerate() {
+                    *entry += share * ball.hessian[OF_BALL + k][OF_BALL + other];
+                }
+            }
+        }
+        Slopes { value, gradient, hessian }
+    }
+
+    /// Places of all balls on the lines between both grooves' centres.
+    pub(crate) fn all_between_grooves(&self, pose: &Pose) -> Vec<f64> {
+        (0..self.entries()).flat_map(|index| self.between_grooves(self.azimuth(index), pose)).collect()
+    }
+
+    /// Size of the forces on the balls at these places [N]: of orbits and contacts.
+    pub(crate) fn force(&self, pose: &Pose, speed: f64, places: &[f64]) -> f64 {
+        self.centrifugal(speed) * self.pitch_radius + self.largest_load(pose, speed, places)
+    }
+
+    fn largest_load(&self, pose: &Pose, speed: f64, places: &[f64]) -> f64 {
+        let slopes = slopes_of_balls(self, pose, speed, places.as_chunks().0.iter().copied());
+        slopes.map(|ball| ball.inner.load.max(ball.outer.load)).fold(0.0, f64::max)
+    }
+
+    /// Refuses balls that nearly pass through the raceways.
+    pub(crate) fn check_depth(&self, pose: &Pose, speed: f64, places: &[f64]) -> Result<(), NoBalance> {
+        let load = self.largest_load(pose, speed, places);
+        let depth = self.relative_depth(load);
+        if depth > MAX_RELATIVE_DEPTH { Err(NoBalance::TooDeep { load, depth }) } else { Ok(()) }
+    }
+}
+
 impl Balance<'_> {
     /// Balance from a guess of the common freedoms, and of the places of the balls where they are known.
     pub(super) fn find(&self, border: &Border, balls: Option<&[Places]>) -> Result<Found, NoBalance> {
@@ -81,26 +141,19 @@ impl Balance<'_> {
             let pose = link.pose(&border[..self.width]);
             match balls {
                 Some(balls) => place.extend(balls[index].iter().flatten()),
-                None => place.extend(
-                    (0..link.bearing.entries())
-                        .flat_map(|index| link.bearing.between_grooves(link.bearing.azimuth(index), &pose)),
-                ),
+                None => place.extend(link.bearing.all_between_grooves(&pose)),
             }
         }
         place.extend(&border[..self.width]);
         let force = self.force(&place);
         let radius = self.links.iter().map(|link| link.bearing.pitch_radius).fold(0.0, f64::max);
-        let search = Search {
-            converged: 1e-11 * force + 1e-12,
-            longest_step: 0.01 * radius,
-            first_damping: if balls.is_some() { 0.0 } else { force / FIRST_STEP },
-        };
+        let search = search(force, radius, if balls.is_some() { 0.0 } else { force / FIRST_STEP });
         let residual = search.minimise(self, &mut place).residual();
-        if residual.is_nan() || residual > 1e-6 * force + 1e-9 {
-            return Err(NoBalance::Unbalanced { residual, applied: force });
-        }
+        check_residual(residual, force)?;
         let (border, balls) = self.parts(&place);
-        self.check_depth(&border, &balls)?;
+        for (link, balls) in self.links.iter().zip(&balls) {
+            link.bearing.check_depth(&link.pose(&border[..self.width]), self.speed, balls.as_flattened())?;
+        }
         let places = self.links.iter().map(|link| link.bearing.places).max().unwrap_or_default();
         Ok(Found { border, balls, least_load: places as f64 * residual.max(search.converged) })
     }
@@ -110,27 +163,9 @@ impl Balance<'_> {
         let of_loads = self.load.iter().map(|load| load.abs()).fold(0.0, f64::max);
         let (border, balls) = self.parts(place);
         let of_links = self.links.iter().zip(&balls).map(|(link, balls)| {
-            let centrifugal = link.bearing.centrifugal(self.speed) * link.bearing.pitch_radius;
-            centrifugal + self.largest_load(link, &border, balls)
+            link.bearing.force(&link.pose(&border[..self.width]), self.speed, balls.as_flattened())
         });
         of_loads + of_links.fold(0.0, f64::max)
-    }
-
-    fn largest_load(&self, link: &Link<'_>, border: &Border, balls: &Places) -> f64 {
-        let pose = link.pose(&border[..self.width]);
-        let slopes = slopes_of_balls(link.bearing, &pose, self.speed, balls.iter().copied());
-        slopes.map(|ball| ball.inner.load.max(ball.outer.load)).fold(0.0, f64::max)
-    }
-
-    fn check_depth(&self, border: &Border, balls: &[Places]) -> Result<(), NoBalance> {
-        for (link, balls) in self.links.iter().zip(balls) {
-            let load = self.largest_load(link, border, balls);
-            let depth = link.bearing.relative_depth(load);
-            if depth > MAX_RELATIVE_DEPTH {
-                return Err(NoBalance::TooDeep { load, depth });
-            }
-        }
-        Ok(())
     }
 
     /// The common freedoms and the balls of a place.
@@ -148,8 +183,14 @@ impl Balance<'_> {
     }
 }
 
-impl Potential<BORDER> for Balance<'_> {
-    fn slopes(&self, place: &[f64]) -> Slopes<BORDER> {
+impl Potential for Balance<'_> {
+    type Curvature = Bordered<BORDER>;
+
+    fn step(&self, slopes: &Slopes<Self::Curvature>, damping: f64) -> Option<Vec<f64>> {
+        slopes.bordered_step(damping)
+    }
+
+    fn slopes(&self, place: &[f64]) -> Slopes<Self::Curvature> {
         let width = self.width;
         let (of_balls, border) = place.split_at(place.len() - width);
         let mut hessian = Bordered::zeros(of_balls.len() / OF_BALL, width);
@@ -161,34 +202,21 @@ impl Potential<BORDER> for Balance<'_> {
             gradient_of_border[k] = self.springs[k] * border[k] - self.load[k];
             hessian.border[k][k] = self.springs[k];
         }
-        let mut index = 0;
+        let mut first = 0;
         for link in &self.links {
-            let (pose, share) = (link.pose(border), link.bearing.share());
-            let balls = of_balls[OF_BALL * index..].chunks_exact(OF_BALL).map(|ball| [ball[0], ball[1]]);
-            let balls = balls.take(link.bearing.entries());
-            let mut of_ring = [0.0; FREEDOMS];
-            let mut ring = [[0.0; FREEDOMS]; FREEDOMS];
-            for ball in slopes_of_balls(link.bearing, &pose, self.speed, balls) {
-                value += share * ball.energy;
-                let block = &mut hessian.blocks[index];
-                for k in 0..OF_BALL {
-                    gradient_of_balls[OF_BALL * index + k] = share * ball.gradient[k];
-                    block.diagonal[k] = share * ball.hessian[k][k];
-                }
-                block.between = share * ball.hessian[1][0];
-                for (column, entries) in block.border.iter_mut().enumerate() {
-                    for (k, by) in link.by.iter().enumerate() {
-                        let coupling = share * ball.hessian[OF_BALL + k][column];
+            let end = first + link.bearing.entries();
+            let of_link = &of_balls[OF_BALL * first..OF_BALL * end];
+            let ring = link.bearing.slopes(&link.pose(border), self.speed, of_link);
+            value += ring.value;
+            let (of_link, of_ring) = ring.gradient.split_at(of_link.len());
+            gradient_of_balls[OF_BALL * first..OF_BALL * end].copy_from_slice(of_link);
+            for (block, own) in hessian.blocks[first..end].iter_mut().zip(&ring.hessian.blocks) {
+                (block.diagonal, block.between) = (own.diagonal, own.between);
+                for (entries, couplings) in block.border.iter_mut().zip(&own.border) {
+                    for (coupling, by) in couplings.iter().zip(&link.by) {
                         entries[..width].iter_mut().zip(by).for_each(|(entry, by)| *entry += coupling * by);
                     }
                 }
-                for (k, row) in ring.iter_mut().enumerate() {
-                    of_ring[k] += share * ball.gradient[OF_BALL + k];
-                    for (other, entry) in row[..=k].iter_mut().enumerate() {
-                        *entry += share * ball.hessian[OF_BALL + k][OF_BALL + other];
-                    }
-                }
-                index += 1;
             }
             for (force, by) in of_ring.iter().zip(&link.by) {
                 gradient_of_border.iter_mut().zip(by).for_each(|(slope, by)| *slope += force * by);
@@ -197,12 +225,13 @@ impl Potential<BORDER> for Balance<'_> {
                 for (column, sum) in entries[..=row].iter_mut().enumerate() {
                     for k in 0..FREEDOMS {
                         for other in 0..FREEDOMS {
-                            let entry = ring[k.max(other)][k.min(other)];
+                            let entry = ring.hessian.border[k.max(other)][k.min(other)];
                             *sum += entry * link.by[k][row] * link.by[other][column];
                         }
                     }
                 }
             }
+            first = end;
         }
         Slopes { value, gradient, hessian }
     }

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
-use crate::physics::bearing::Bearing;
+use crate::physics::bearing::{Bearing, SpindlePlay};
 use crate::physics::contact::damping::{DampingFactor, normal_slopes};
 use crate::physics::contact::hertz::{HertzContact, raceway_contacts};
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
@@ -12,7 +12,7 @@ use crate::physics::kinematics;
 /// Number of freedoms of a ring: x, y, z, β_y, β_z.
 pub(super) const FREEDOMS: usize = 5;
 /// Freedoms of a ball, along the axis and the radius.
-pub(super) const OF_BALL: usize = 2;
+pub(crate) const OF_BALL: usize = 2;
 const UNKNOWNS: usize = OF_BALL + FREEDOMS;
 /// Places in a ball spacing that are averaged.
 const PLACES: usize = 8;
@@ -37,6 +37,7 @@ pub struct RingBearing {
     pub(super) ball_mass: f64,
     orbit_ratio: f64,
     axial_play: f64,
+    play: SpindlePlay,
 }
 
 /// One raceway.
@@ -172,6 +173,7 @@ impl RingBearing {
             ball_mass: bearing.ball_mass,
             orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
             axial_play: bearing.groove_centre_distance * bearing.free_contact_angle.sin(),
+            play: bearing.largest_displacement(),
         }
     }
 
@@ -180,8 +182,17 @@ impl RingBearing {
         self.axial_play
     }
 
+    /// Largest displacement of the inner ring at which a ball may still hold it [m].
+    pub(crate) fn play(&self) -> SpindlePlay {
+        self.play
+    }
+
+    pub(crate) fn pitch_radius(&self) -> f64 {
+        self.pitch_radius
+    }
+
     /// Number of balls at all places.
-    pub(super) fn entries(&self) -> usize {
+    pub(crate) fn entries(&self) -> usize {
         self.places * self.balls
     }
 

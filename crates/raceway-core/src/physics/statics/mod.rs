@@ -9,7 +9,8 @@ mod ball;
 pub mod ring;
 pub mod shaft;
 
-pub(crate) use balance::{FIRST_STEP, MAX_RELATIVE_DEPTH};
+pub(crate) use balance::{FIRST_STEP, MAX_RELATIVE_DEPTH, check_residual, search};
+pub(crate) use ball::OF_BALL;
 pub use ball::{Matrix, Pose, RingBearing, Wrench};
 
 #[cfg(test)]

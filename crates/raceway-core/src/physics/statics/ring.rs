@@ -65,6 +65,11 @@ impl RingBearing {
         Ok(RingState::of(self, *pose, speed, balls.into_iter().flatten().collect(), least_load))
     }
 
+    /// The bearing with its balls in equilibrium at these places to a residual [N].
+    pub(crate) fn with_balls(&self, pose: &Pose, speed: f64, places: &[f64], residual: f64) -> RingState {
+        RingState::of(self, *pose, speed, places.as_chunks().0.to_vec(), self.places as f64 * residual)
+    }
+
     /// The pose that balances loads on the inner ring. `free`: freedoms that move; the others stay as in `start`.
     pub fn operating_point(
         &self,
@@ -128,7 +133,7 @@ impl RingState {
     }
 
     /// Places of the balls.
-    pub(super) fn balls(&self) -> &Places {
+    pub(crate) fn balls(&self) -> &Places {
         &self.balls
     }
 

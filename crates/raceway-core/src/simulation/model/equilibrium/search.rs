@@ -254,9 +254,15 @@ fn spindle_force(m: &Mechanism) -> [f64; DIRECTIONS] {
     [m.load[0], m.load[1] + m.spindle_mass * m.gravity, m.load[2], about_y, about_z]
 }
 
-impl Potential<DIRECTIONS> for RacewayPotential<'_> {
+impl Potential for RacewayPotential<'_> {
+    type Curvature = Bordered<DIRECTIONS>;
+
+    fn step(&self, slopes: &Slopes<Self::Curvature>, damping: f64) -> Option<Vec<f64>> {
+        slopes.bordered_step(damping)
+    }
+
     /// Energy, gradient and (nearly exact) Hessian.
-    fn slopes(&self, place: &[f64]) -> Slopes<DIRECTIONS> {
+    fn slopes(&self, place: &[f64]) -> Slopes<Self::Curvature> {
         let balls = self.azimuths.len();
         let force = spindle_force(self.mechanism);
         let (spindle, [about_y, about_z]) = self.spindle(place);
