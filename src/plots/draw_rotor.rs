@@ -62,11 +62,14 @@ fn shape(mode: &ModeAnswer) -> Shape {
     };
     let [frequency, damping] =
         [(mode.frequency_hz, 4), (mode.damping_ratio, 2)].map(|(value, digits)| significant(value, digits));
-    Shape {
-        name: format!("{frequency} Hz, {whirl}, ζ {damping}"),
-        y: at_largest(&mode.shape.y, &mode.shape.y_phase_deg),
-        z: at_largest(&mode.shape.z, &mode.shape.z_phase_deg),
-    }
+    let y = at_largest(&mode.shape.y, &mode.shape.y_phase_deg);
+    let z = at_largest(&mode.shape.z, &mode.shape.z_phase_deg);
+    let largest = |values: &[f64]| values.iter().copied().fold(0.0, f64::max);
+    let (plane, main, across) = match largest(&mode.shape.y) >= largest(&mode.shape.z) {
+        true => ("x–y", y, z),
+        false => ("x–z", z, y),
+    };
+    Shape { name: format!("{frequency} Hz, {whirl}, ζ {damping}; {plane}"), main, across }
 }
 
 /// Displacements at the instant of the largest one.

@@ -1,4 +1,4 @@
-//! Mode shapes on the outline of the shaft: the deflected outline in the plane x–y, and the line of centres in x–z.
+//! Mode shapes on the outline of the shaft: the outline deflected in the plane of the larger motion, and the line of centres across it.
 
 use super::axis::Scale;
 use super::svg::{Anchor, Drawing};
@@ -14,9 +14,9 @@ pub struct Piece {
 /// A natural motion.
 pub struct Shape {
     pub name: String,
-    /// Displacement of each node along Y and along Z [-], each at the instant of its largest.
-    pub y: Vec<f64>,
-    pub z: Vec<f64>,
+    /// Displacement of each node in the plane of the larger motion, and across it [-], each at the instant of its largest.
+    pub main: Vec<f64>,
+    pub across: Vec<f64>,
 }
 
 /// Shapes of a shaft; places along it in mm.
@@ -57,7 +57,8 @@ impl Shapes<'_> {
             drawing.text("name", Anchor::Start, left, top - 8.0, &shape.name);
             self.draw(&mut drawing, shape, (left + 10.0, left + width - 10.0), top + 0.5 * PANEL);
         }
-        let legend = "outline: x–y, +y down; dashed: x–z, +z down; grey: at rest; triangles: bearings and supports";
+        let legend =
+            "outline: plane of the larger motion; dashed: across it; grey: at rest; triangles: bearings and supports";
         drawing.text("small", Anchor::Middle, 0.5 * WIDTH, height - 16.0, legend);
         drawing.finish()
     }
@@ -81,11 +82,12 @@ impl Shapes<'_> {
             for piece in &self.pieces {
                 let offset = side * 0.5 * piece.diameter * radial;
                 let within = self.nodes.iter().enumerate().filter(|(_, at)| (piece.from..=piece.to).contains(*at));
-                points.extend(within.map(|(k, at)| (x.at(*at), axis + offset + across * shape.y[k])));
+                points.extend(within.map(|(k, at)| (x.at(*at), axis + offset + across * shape.main[k])));
             }
             drawing.curve(0, points);
         }
-        let line = self.nodes.iter().zip(&shape.z).map(|(at, z)| (x.at(*at), axis + across * z));
+        let line =
+            self.nodes.iter().zip(&shape.across).map(|(at, displacement)| (x.at(*at), axis + across * displacement));
         drawing.dashed_curve(1, "dashed", line);
     }
 }
@@ -98,7 +100,7 @@ mod tests {
     #[test]
     fn each_shape_has_its_name_and_its_lines() {
         let piece = |from, to, diameter| Piece { from, to, diameter };
-        let shape = |name: &str| Shape { name: name.into(), y: vec![0.0, 1.0, 0.0], z: vec![0.0, -1.0, 0.0] };
+        let shape = |name: &str| Shape { name: name.into(), main: vec![0.0, 1.0, 0.0], across: vec![0.0, -1.0, 0.0] };
         let mut shapes = Shapes {
             pieces: vec![piece(0.0, 50.0, 20.0), piece(50.0, 100.0, 30.0)],
             nodes: &[0.0, 50.0, 100.0],

@@ -4,6 +4,8 @@
 import { h, s } from './dom.js';
 import { number, power } from './format.js';
 
+/** Least width of a chart [px]. */
+const LEAST_WIDTH = 160;
 const ROOM = { left: 66, right: 26, top: 14, bottom: 44 };
 
 export class Chart {
@@ -23,7 +25,12 @@ export class Chart {
   draw(content) {
     this.drawn = content;
     const sample = ([style, name]) =>
-      h('span', {}, s('svg', { width: 30, height: 10, 'aria-hidden': 'true' }, s('path', { class: `line ${style}`, d: 'M1 5H29' })), name);
+      h(
+        'span',
+        {},
+        s('svg', { width: 30, height: 10, 'aria-hidden': 'true' }, s('path', { class: `line ${style}`, d: 'M1 5H29' })),
+        name,
+      );
     this.legend.replaceChildren(...(content.legend ?? []).map(sample));
     this.#draw();
   }
@@ -31,7 +38,8 @@ export class Chart {
   #draw() {
     const { x, y, lines, verticals = [], marks = [], text } = this.drawn;
     const width = this.place.clientWidth;
-    if (!width) return;
+    // Narrower only while the page is laid out.
+    if (width < LEAST_WIDTH) return;
     this.width = width;
     const height = Math.min(this.height, Math.max(240, width * 0.75));
     const [right, bottom] = [width - ROOM.right, height - ROOM.bottom];
@@ -71,20 +79,47 @@ export class Chart {
         lines.map(({ points, style }) => s('path', { class: `line ${style}`, d: path(points) })),
         verticals.map(({ at }) => s('path', { class: 'vertical', d: `M${px(at) - ROOM.left} 0V${bottom - ROOM.top}` })),
       ),
-      s('rect', { class: 'frame', x: ROOM.left, y: ROOM.top, width: right - ROOM.left, height: bottom - ROOM.top, 'aria-hidden': 'true' }),
+      s('rect', {
+        class: 'frame',
+        x: ROOM.left,
+        y: ROOM.top,
+        width: right - ROOM.left,
+        height: bottom - ROOM.top,
+        'aria-hidden': 'true',
+      }),
       verticals.map(({ at, name }) =>
         s(
           'text',
-          { class: 'soft', x: px(at) + (px(at) > right - 90 ? -4 : 4), y: ROOM.top + 13, 'text-anchor': px(at) > right - 90 ? 'end' : 'start', 'aria-hidden': 'true' },
+          {
+            class: 'soft',
+            x: px(at) + (px(at) > right - 90 ? -4 : 4),
+            y: ROOM.top + 13,
+            'text-anchor': px(at) > right - 90 ? 'end' : 'start',
+            'aria-hidden': 'true',
+          },
           name,
         ),
       ),
-      s('text', { class: 'soft', x: (ROOM.left + right) / 2, y: height - 8, 'text-anchor': 'middle', 'aria-hidden': 'true' }, x.label),
-      s('text', { class: 'soft', transform: `translate(13 ${(ROOM.top + bottom) / 2}) rotate(-90)`, 'text-anchor': 'middle', 'aria-hidden': 'true' }, y.label),
+      s(
+        'text',
+        { class: 'soft', x: (ROOM.left + right) / 2, y: height - 8, 'text-anchor': 'middle', 'aria-hidden': 'true' },
+        x.label,
+      ),
+      s(
+        'text',
+        {
+          class: 'soft',
+          transform: `translate(13 ${(ROOM.top + bottom) / 2}) rotate(-90)`,
+          'text-anchor': 'middle',
+          'aria-hidden': 'true',
+        },
+        y.label,
+      ),
       marks.map((mark) => drawMark(mark, px(mark.x), py(mark.y))),
     );
     this.place.replaceChildren(svg);
-    if (focused) [...svg.querySelectorAll('[role=button]')].find((mark) => mark.getAttribute('aria-label') === focused)?.focus();
+    if (focused)
+      [...svg.querySelectorAll('[role=button]')].find((mark) => mark.getAttribute('aria-label') === focused)?.focus();
   }
 }
 
@@ -132,7 +167,9 @@ function ticks({ from, to, log }, most) {
   const decade = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((m) => m * decade).find((one) => one >= 0.999 * rough);
   const first = Math.ceil(low / step - 1e-9);
-  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
+  return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) =>
+    Number(((first + k) * step).toPrecision(12)),
+  );
 }
 
 const tickText = ({ log }, value) => (log ? power(value) : number(value, 5));

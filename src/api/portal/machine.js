@@ -64,7 +64,12 @@ export class MachineView {
     const errors = accuracy.level_errors_db;
     const of = (name) => {
       const error = errors[name] === undefined ? '' : `± ${number(errors[name], 1)}`;
-      return figure(`Level ${channelName(name.replace(/^sensor\.|\.acceleration$/g, ''))}`, level(channels[name].level_db), LEVEL_UNIT, error);
+      return figure(
+        `Level ${channelName(name.replace(/^sensor\.|\.acceleration$/g, ''))}`,
+        level(channels[name].level_db),
+        LEVEL_UNIT,
+        error,
+      );
     };
     const load = Math.max(...Object.values(bearings).flatMap((one) => [one.max_inner_load_n, one.max_outer_load_n]));
     return h(
@@ -82,9 +87,22 @@ export class MachineView {
     const rows = this.channels.map((name) => {
       const { unit, rms, peak, crest_factor: crest, kurtosis, level_db: loud } = channels[name];
       const error = accuracy.level_errors_db[name];
-      return [channelName(name), unit, measured(rms), measured(peak), measured(crest), measured(kurtosis), level(loud), error === undefined ? '–' : number(error, 1)];
+      return [
+        channelName(name),
+        unit,
+        measured(rms),
+        measured(peak),
+        measured(crest),
+        measured(kurtosis),
+        level(loud),
+        error === undefined ? '–' : number(error, 1),
+      ];
     });
-    return table('Levels, 0 to 20 kHz', ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '±, dB'], rows);
+    return table(
+      'Levels, 0 to 20 kHz',
+      ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '±, dB'],
+      rows,
+    );
   }
 
   #bearings() {
@@ -126,7 +144,13 @@ export class MachineView {
         table(
           'Other channels',
           ['Channel', 'Unit', 'Mean', 'rms', 'Peak'],
-          others.map(([name, { unit, mean, rms, peak }]) => [channelName(name), unit, measured(mean, 4), measured(rms), measured(peak)]),
+          others.map(([name, { unit, mean, rms, peak }]) => [
+            channelName(name),
+            unit,
+            measured(mean, 4),
+            measured(rms),
+            measured(peak),
+          ]),
           { hidden: true },
         ),
       ),

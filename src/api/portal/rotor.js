@@ -48,7 +48,11 @@ export class RotorView {
       figure(
         'Campbell diagram',
         this.campbell.element,
-        h('figcaption', {}, 'Triangles: critical speeds, filled for forward, hollow for backward whirl. A click or Enter shows the shape.'),
+        h(
+          'figcaption',
+          {},
+          'Triangles: critical speeds, filled for forward, hollow for backward whirl. A click or Enter shows the shape.',
+        ),
       ),
       h(
         'div',
@@ -67,7 +71,11 @@ export class RotorView {
   show(answer, request) {
     Object.assign(this, { answer, request });
     if (!this.element.isConnected) this.host.replaceChildren(this.element);
-    if (!this.chosen || !this.#motion()) this.chosen = `mode-${Math.max(answer.operating.modes.findIndex(({ whirl }) => whirl !== 'axial'), 0)}`;
+    if (!this.chosen || !this.#motion())
+      this.chosen = `mode-${Math.max(
+        answer.operating.modes.findIndex(({ whirl }) => whirl !== 'axial'),
+        0,
+      )}`;
     this.#summary();
     this.#list();
     this.#drawCampbell();
@@ -96,11 +104,24 @@ export class RotorView {
     const { operating, criticals } = answer;
     const forward = criticals.find(({ whirl }) => whirl === 'forward');
     const most = Math.max(...answer.static.y_um.map(Math.abs));
-    const figure = (name, value, more) => h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), more && h('small', {}, more)));
+    const figure = (name, value, more) =>
+      h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), more && h('small', {}, more)));
     this.figures.replaceChildren(
-      figure('Lowest natural frequency', quantity(operating.modes[0]?.frequency_hz, 'Hz', 4), WHIRLS[operating.modes[0]?.whirl]?.[1]),
-      figure('First forward critical speed', forward ? quantity(Math.round(forward.speed_rpm), 'r/min', 5) : 'none', forward ? null : `up to ${quantity(answer.speeds_rpm.at(-1), 'r/min', 5)}`),
-      figure(operating.is_stable ? 'Stable' : 'Unstable', `${number(operating.growth_rate_per_s, 3)}/s`, operating.is_stable ? 'slowest decay' : 'growth'),
+      figure(
+        'Lowest natural frequency',
+        quantity(operating.modes[0]?.frequency_hz, 'Hz', 4),
+        WHIRLS[operating.modes[0]?.whirl]?.[1],
+      ),
+      figure(
+        'First forward critical speed',
+        forward ? quantity(Math.round(forward.speed_rpm), 'r/min', 5) : 'none',
+        forward ? null : `up to ${quantity(answer.speeds_rpm.at(-1), 'r/min', 5)}`,
+      ),
+      figure(
+        operating.is_stable ? 'Stable' : 'Unstable',
+        `${number(operating.growth_rate_per_s, 3)}/s`,
+        operating.is_stable ? 'slowest decay' : 'growth',
+      ),
       figure('Mass', quantity(answer.mass_kg, 'kg', 4)),
       figure('Largest deflection y', quantity(most, 'µm', 3)),
     );
@@ -110,8 +131,18 @@ export class RotorView {
     const { operating, criticals } = this.answer;
     const row = (motion, value, { damping_ratio: damping, whirl }) => {
       const [sign, name] = WHIRLS[whirl];
-      const radio = h('input', { type: 'radio', name: 'motion', value: motion, checked: motion === this.chosen, onchange: () => this.#choose(motion) });
-      return [h('label', {}, radio, ` ${value}`), percent(damping), h('span', {}, h('span', { 'aria-hidden': 'true' }, `${sign} `), name)];
+      const radio = h('input', {
+        type: 'radio',
+        name: 'motion',
+        value: motion,
+        checked: motion === this.chosen,
+        onchange: () => this.#choose(motion),
+      });
+      return [
+        h('label', {}, radio, ` ${value}`),
+        percent(damping),
+        h('span', {}, h('span', { 'aria-hidden': 'true' }, `${sign} `), name),
+      ];
     };
     const focused = this.motions.contains(document.activeElement) ? document.activeElement.value : null;
     const rows = operating.modes.map((mode, i) => row(`mode-${i}`, quantity(mode.frequency_hz, 'Hz', 5), mode));
@@ -152,7 +183,8 @@ export class RotorView {
         ['third dotted', 'in a plane, axial'],
         ['once', `1×${above ? `; ${above} motions above` : ''}`],
       ],
-      verticals: operating.speed_rpm >= speeds[0] && operating.speed_rpm <= last ? [{ at: operating.speed_rpm, name: 'operating' }] : [],
+      verticals:
+        operating.speed_rpm >= speeds[0] && operating.speed_rpm <= last ? [{ at: operating.speed_rpm, name: 'operating' }] : [],
       marks: criticals.map((one, i) => ({
         x: one.speed_rpm,
         y: one.speed_rpm / 60,
@@ -169,14 +201,24 @@ export class RotorView {
     const { speeds_rpm: speeds, response, criticals, operating } = this.answer;
     // Peaks lie at critical speeds, which stand between the requested speeds.
     const curves = response.map(({ major_um: values }, place) =>
-      [...speeds.map((speed, k) => [speed, values[k]]), ...criticals.map((one) => [one.speed_rpm, one.major_um[place]])].sort((a, b) => a[0] - b[0]),
+      [...speeds.map((speed, k) => [speed, values[k]]), ...criticals.map((one) => [one.speed_rpm, one.major_um[place]])].sort(
+        (a, b) => a[0] - b[0],
+      ),
     );
-    const known = curves.flat().map(([, value]) => value).filter((value) => value > 0);
+    const known = curves
+      .flat()
+      .map(([, value]) => value)
+      .filter((value) => value > 0);
     if (!known.length) known.push(1);
     const most = 10 ** Math.ceil(Math.log10(Math.max(...known)));
     this.response.draw({
       x: { from: speeds[0], to: Math.max(speeds.at(-1), speeds[0] + 1), label: 'Speed, r/min' },
-      y: { from: Math.max(most * 1e-6, 10 ** Math.floor(Math.log10(Math.min(...known)))), to: most, label: 'Amplitude, µm', log: true },
+      y: {
+        from: Math.max(most * 1e-6, 10 ** Math.floor(Math.log10(Math.min(...known)))),
+        to: most,
+        label: 'Amplitude, µm',
+        log: true,
+      },
       lines: curves.map((points, i) => ({ points, style: STYLES[i % STYLES.length] })),
       legend: response.map(({ at_mm: at }, i) => [STYLES[i % STYLES.length], placeName(this.request, at)]),
       verticals: [{ at: operating.speed_rpm, name: 'operating' }].filter(({ at }) => at >= speeds[0] && at <= speeds.at(-1)),
@@ -208,7 +250,10 @@ export class RotorView {
   #drawForces() {
     const { supports, bearings = [], speeds_rpm: speeds, operating } = this.answer;
     const linear = supports.length - bearings.length;
-    const nearest = speeds.reduce((best, speed, k) => (Math.abs(speed - operating.speed_rpm) < Math.abs(speeds[best] - operating.speed_rpm) ? k : best), 0);
+    const nearest = speeds.reduce(
+      (best, speed, k) => (Math.abs(speed - operating.speed_rpm) < Math.abs(speeds[best] - operating.speed_rpm) ? k : best),
+      0,
+    );
     const name = (k) => (k < linear ? `support ${k + 1}` : bearings[k - linear].name);
     const force = (value) => number(Math.abs(value) < 1e-6 ? 0 : value, 4);
     const rows = supports.map(({ static_force_n: rest, unbalance_force_y_n: y, unbalance_force_z_n: z }, k) => [
@@ -224,14 +269,22 @@ export class RotorView {
       percent(one.loaded_share),
     ]);
     this.forces.replaceChildren(
-      table(`Forces of the shaft, N; from unbalance at ${quantity(speeds[nearest], 'r/min', 6)}`, ['On', 'x', 'y', 'z', 'unbalance y', 'unbalance z'], rows),
+      table(
+        `Forces of the shaft, N; from unbalance at ${quantity(speeds[nearest], 'r/min', 6)}`,
+        ['On', 'x', 'y', 'z', 'unbalance y', 'unbalance z'],
+        rows,
+      ),
       bearings.length
-        ? table('Bearings at the operating point', ['Bearing', 'Kxx, N/µm', 'Kyy, N/µm', 'Kzz, N/µm', 'Largest ball load, N', 'Balls loaded'], stiffness)
+        ? table(
+            'Bearings at the operating point',
+            ['Bearing', 'Kxx, N/µm', 'Kyy, N/µm', 'Kzz, N/µm', 'Largest ball load, N', 'Balls loaded'],
+            stiffness,
+          )
         : '',
     );
   }
 
-  /** The chosen shape on the outline of the shaft: deflected in x–y, with the line of centres in x–z. */
+  /** The chosen shape on the outline of the shaft: deflected in the plane of the larger motion, with the line of centres across it. */
   #drawShape() {
     const width = this.shape.clientWidth;
     const motion = this.#motion();
@@ -246,15 +299,22 @@ export class RotorView {
     const widest = Math.max(...sections.map((section) => section.outer_diameter_mm / 2), 1);
     const radial = Math.min((width - 20) / length, (SHAPE_HEIGHT * 0.2) / widest);
     const across = SHAPE_HEIGHT * 0.26;
-    const [y, z] = [atLargest(shape.y, shape.y_phase_deg), atLargest(shape.z, shape.z_phase_deg)];
+    const planes = [
+      ['y', atLargest(shape.y, shape.y_phase_deg)],
+      ['z', atLargest(shape.z, shape.z_phase_deg)],
+    ];
+    if (Math.max(...shape.z) > Math.max(...shape.y)) planes.reverse();
+    const [[plane, main], [other, side]] = planes;
     const path = (points) => `M${points.map(([a, b]) => `${x(a).toFixed(1)} ${b.toFixed(1)}`).join('L')}`;
-    const outline = (side) => {
+    const outline = (sign) => {
       let end = 0;
       return sections.flatMap((section) => {
         const from = end;
         end += section.length_mm;
-        const offset = (side * section.outer_diameter_mm * radial) / 2;
-        return nodes.map((at, k) => [at, axis + offset + across * y[k]]).filter(([at]) => at >= from - 1e-6 && at <= end + 1e-6);
+        const offset = (sign * section.outer_diameter_mm * radial) / 2;
+        return nodes
+          .map((at, k) => [at, axis + offset + across * main[k]])
+          .filter(([at]) => at >= from - 1e-6 && at <= end + 1e-6);
       });
     };
     let end = 0;
@@ -265,7 +325,10 @@ export class RotorView {
       return s('rect', { class: 'rest', x: x(from), y: axis - half, width: x(end) - x(from), height: 2 * half });
     });
     const [, name] = WHIRLS[motion.whirl];
-    const what = motion.speed_rpm !== undefined ? `Critical speed ${quantity(Math.round(motion.speed_rpm), 'r/min', 6)}` : quantity(motion.frequency_hz, 'Hz', 5);
+    const what =
+      motion.speed_rpm !== undefined
+        ? `Critical speed ${quantity(Math.round(motion.speed_rpm), 'r/min', 6)}`
+        : quantity(motion.frequency_hz, 'Hz', 5);
     const text = `${what}, ${name}, damping ratio ${percent(motion.damping_ratio)}.`;
     this.shape.replaceChildren(
       s(
@@ -275,17 +338,17 @@ export class RotorView {
         s('path', { class: 'axis', d: `M4 ${axis}H${width - 4}` }),
         supports.map(({ at_mm: at }) => s('path', { class: 'support', d: `M${x(at)} ${SHAPE_HEIGHT - 16}l6 10h-12z` })),
         s('path', { class: 'outline', d: `${path([...outline(-1), ...outline(1).reverse()])}Z` }),
-        s('path', { class: 'line second dashed', d: path(nodes.map((at, k) => [at, axis + across * z[k]])) }),
+        s('path', { class: 'line second dashed', d: path(nodes.map((at, k) => [at, axis + across * side[k]])) }),
       ),
     );
-    this.shapeText.textContent = `${text} ${motion.whirl === 'axial' ? 'The motion is along x. ' : ''}Outline: x–y, dashed: x–z, each at its largest. Triangles: bearings and supports.`;
+    this.shapeText.textContent = `${text} ${motion.whirl === 'axial' ? 'The motion is along x. ' : ''}Outline: x–${plane}, dashed: x–${other}, each at its largest. Triangles: bearings and supports.`;
   }
 }
 
 /** A course in pieces of one whirl; a piece reaches to the first point of the next one. A frequency of 0 is no oscillation. */
 function courses(speeds, frequency, whirl) {
   const pieces = [];
-  for (let from = 0; from < speeds.length - 1; ) {
+  for (let from = 0; from < speeds.length - 1;) {
     let to = from + 1;
     while (to < speeds.length - 1 && whirl[to] === whirl[from]) to += 1;
     const points = speeds.slice(from, to + 1).map((speed, k) => [speed, frequency[from + k] || NaN]);

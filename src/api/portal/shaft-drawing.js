@@ -87,6 +87,7 @@ export class ShaftDrawing {
         onkeydown: (event) => this.#key(event),
       },
       this.#sections(sections, view),
+      this.#housing(bearings, view),
       s('line', { class: 'axis', x1: view.x(0) - 14, x2: view.x(length) + 14, y1: axis, y2: axis }),
       discs.map((disc, i) => this.#disc(disc, i, view)),
       bearings.map((bearing, i) => this.#bearing(bearing, i, view)),
@@ -103,7 +104,10 @@ export class ShaftDrawing {
   /** Places and half widths of discs and bearings [mm]. */
   #reaches(discs, bearings) {
     const places = listAt(this.request, '/scene/bearings').map(({ at_mm: at }) => finite(at));
-    const all = [...discs.map(({ at, width }) => [at, width / 2]), ...bearings.map((bearing, i) => [places[i], finite(bearing.width_mm) / 2])];
+    const all = [
+      ...discs.map(({ at, width }) => [at, width / 2]),
+      ...bearings.map((bearing, i) => [places[i], finite(bearing.width_mm) / 2]),
+    ];
     return all.map(([at, half]) => [Math.min(Math.max(at, 0), lengthOf(this.request)), half]);
   }
 
@@ -123,7 +127,7 @@ export class ShaftDrawing {
         'data-pointer': `${list}/${index}`,
       },
       s('title', {}, `${name}, ${number(at, 5)} mm`),
-      shapes,
+      ...shapes,
     );
   }
 
@@ -144,7 +148,11 @@ export class ShaftDrawing {
         // Within the lower wall, where it has the room.
         wide > 34 &&
           radius - bore > 14 &&
-          s('text', { x: x(from) + wide / 2, y: axis + (radius + bore) / 2 + 4, 'text-anchor': 'middle' }, `⌀${number(finite(section.outer_diameter_mm))}`),
+          s(
+            'text',
+            { x: x(from) + wide / 2, y: axis + (radius + bore) / 2 + 4, 'text-anchor': 'middle' },
+            `⌀${number(finite(section.outer_diameter_mm))}`,
+          ),
       );
     });
   }
@@ -166,11 +174,23 @@ export class ShaftDrawing {
     const { at_mm: place, name, faces } = listAt(this.request, '/scene/bearings')[i];
     const at = finite(place);
     const mm = (field) => finite(bearing[field]) * scale;
-    const [outer, bore, pitch, ball, width] = ['outer_diameter_mm', 'inner_diameter_mm', 'pitch_diameter_mm', 'ball_diameter_mm', 'width_mm'].map(mm);
+    const [outer, bore, pitch, ball, width] = [
+      'outer_diameter_mm',
+      'inner_diameter_mm',
+      'pitch_diameter_mm',
+      'ball_diameter_mm',
+      'width_mm',
+    ].map(mm);
     const angle = (finite(bearing.contact_angle_deg) * Math.PI) / 180;
     const lean = (faces === '-x' ? -1 : 1) * Math.tan(angle);
     const ring = (from, to, side) =>
-      s('rect', { class: 'ring', x: x(at) - width / 2, y: axis + (side < 0 ? -to : from), width, height: Math.max(to - from, 1) });
+      s('rect', {
+        class: 'ring',
+        x: x(at) - width / 2,
+        y: axis + (side < 0 ? -to : from),
+        width,
+        height: Math.max(to - from, 1),
+      });
     const shapes = [-1, 1].flatMap((side) => {
       const middle = axis + (side * pitch) / 2;
       const reach = Math.max(outer / 2 - pitch / 2, ball / 2);
@@ -180,7 +200,13 @@ export class ShaftDrawing {
         s('circle', { class: 'ball', cx: x(at), cy: middle, r: ball / 2 }),
         // The line of contact from the pressure centre on the axis to the outside of the outer ring.
         angle > 0 &&
-          s('line', { class: 'contact', x1: x(at) - (lean * pitch) / 2, y1: axis, x2: x(at) + lean * reach, y2: middle + side * reach }),
+          s('line', {
+            class: 'contact',
+            x1: x(at) - (lean * pitch) / 2,
+            y1: axis,
+            x2: x(at) + lean * reach,
+            y2: middle + side * reach,
+          }),
       ];
     });
     return this.#item(
@@ -196,16 +222,47 @@ export class ShaftDrawing {
   #support({ at_mm: place }, i, { x, axis, half }) {
     const at = finite(place);
     const top = axis + half + 4;
-    const spring = [0, 1, 2, 3, 4].map((k) => `${x(at) + (k % 2 ? 4 : -4)} ${top + 3 * k}`).join('L');
     return this.#item(
       '/scene/supports',
       i,
       `support ${i + 1}`,
       at,
       s('line', { class: 'lead', x1: x(at), x2: x(at), y1: axis, y2: top }),
-      s('path', { class: 'spring', d: `M${spring}` }),
-      s('path', { class: 'ground', d: `M${x(at) - 9} ${top + 14}h18` }),
+      spring(x(at), top),
     );
+  }
+
+  /** Bodies as frames around what they hold, and their mounts to the ground. */
+  #housing(bearings, view) {
+    const { x, axis, half } = view;
+    const seats = listAt(this.request, '/scene/bearings').map(({ outer_ring: ring, at_mm: at }, i) => [
+      ring?.on,
+      finite(at),
+      finite(bearings[i].width_mm) / 2,
+    ]);
+    const supports = listAt(this.request, '/scene/supports').map(({ on, at_mm: at }) => [on, finite(at), 4]);
+    const bodies = listAt(this.request, '/scene/housing/bodies').map(({ name, at_mm: place, mass_kg: mass }, i) => {
+      const at = finite(place);
+      const held = [...seats, ...supports]
+        .filter(([on]) => on === name)
+        .flatMap(([, one, reach]) => [one - reach, one + reach]);
+      const [from, to] = [Math.min(...held, at - 8), Math.max(...held, at + 8)];
+      const [left, right] = [x(from) - 5, x(to) + 5];
+      return this.#item(
+        '/scene/housing/bodies',
+        i,
+        `body ${name}, ${number(finite(mass))} kg`,
+        at,
+        s('rect', { class: 'housing', x: left, y: axis - half - 5, width: right - left, height: 2 * half + 10, rx: 4 }),
+        s('path', { class: 'centre', d: `M${x(at) - 5} ${axis - half - 5}h10M${x(at)} ${axis - half - 10}v10` }),
+        s('text', { class: 'soft', x: left + 4, y: axis - half + 9 }, name),
+      );
+    });
+    const mounts = listAt(this.request, '/scene/housing/mounts').map(({ body, at_mm: place }, i) => {
+      const at = finite(place);
+      return this.#item('/scene/housing/mounts', i, `mount of ${body}`, at, spring(x(at), axis + half + 4));
+    });
+    return [bodies, mounts];
   }
 
   #unbalance({ at_mm: place, unbalance_g_mm: size, phase_deg: phase }, i, sections, { x, scale, axis }) {
@@ -250,7 +307,9 @@ export class ShaftDrawing {
     };
     bounds.slice(1).forEach((to, i) => {
       const [a, b] = [x(bounds[i]), x(to)];
-      marks.push(s('path', { class: 'measure-line', d: `M${a} ${rows[0] - 5}v10M${b} ${rows[0] - 5}v10M${a} ${rows[0]}H${b}` }));
+      marks.push(
+        s('path', { class: 'measure-line', d: `M${a} ${rows[0] - 5}v10M${b} ${rows[0] - 5}v10M${a} ${rows[0]}H${b}` }),
+      );
       marks.push(text((a + b) / 2, rows[0] - 4, number(to - bounds[i])));
     });
     free = -Infinity;
@@ -272,7 +331,8 @@ export class ShaftDrawing {
     const [list, index] = split(pointer);
     if (event.key === 'Enter' || event.key === ' ') this.choose(pointer);
     else if (event.key === 'Delete') this.remove(list, index);
-    else if (KEYS[event.key] && !list.endsWith('sections')) this.#to(pointer, finite(listAt(this.request, list)[index].at_mm) + KEYS[event.key]);
+    else if (KEYS[event.key] && !list.endsWith('sections'))
+      this.#to(pointer, finite(listAt(this.request, list)[index].at_mm) + KEYS[event.key]);
     else return;
     event.preventDefault();
   }
@@ -287,7 +347,11 @@ export class ShaftDrawing {
     event.preventDefault();
     const { pointer } = group.dataset;
     const [list, index] = split(pointer);
-    const start = { x: event.clientX, at: finite(listAt(this.request, list)[index].at_mm), moved: list.endsWith('sections') ? null : false };
+    const start = {
+      x: event.clientX,
+      at: finite(listAt(this.request, list)[index].at_mm),
+      moved: list.endsWith('sections') ? null : false,
+    };
     const move = ({ clientX }) => {
       if (start.moved === null || (!start.moved && Math.abs(clientX - start.x) < MOVE_FROM)) return;
       start.moved = true;
@@ -303,6 +367,12 @@ export class ShaftDrawing {
     addEventListener('pointerup', stop);
     addEventListener('pointercancel', stop);
   }
+}
+
+/** A spring to the ground. */
+function spring(x, top) {
+  const turns = [0, 1, 2, 3, 4].map((k) => `${x + (k % 2 ? 4 : -4)} ${top + 3 * k}`).join('L');
+  return [s('path', { class: 'spring', d: `M${turns}` }), s('path', { class: 'ground', d: `M${x - 9} ${top + 14}h18` })];
 }
 
 /** List and index of the pointer to an item. */

@@ -5,12 +5,20 @@ import { help } from './fields.js';
 import { plainNumber } from './format.js';
 import { read } from './request.js';
 import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT } from './shaft-lists.js';
-import { arrangement, dimensions, listAt, set } from './shaft-request.js';
+import { arrangement, dimensions, listAt, renamed, set } from './shaft-request.js';
 
 const BEARINGS = '/scene/bearings';
 const PRELOADS = '/scene/preloads';
 /** Required dimensions of a bearing without preset; they start with those of the bearing before. */
-const REQUIRED = ['type', 'outer_diameter_mm', 'inner_diameter_mm', 'width_mm', 'ball_count', 'ball_diameter_mm', 'pitch_diameter_mm'];
+const REQUIRED = [
+  'type',
+  'outer_diameter_mm',
+  'inner_diameter_mm',
+  'width_mm',
+  'ball_count',
+  'ball_diameter_mm',
+  'pitch_diameter_mm',
+];
 const OWN = '';
 
 const idOf = (pointer) => `s${pointer.replaceAll('/', '-')}`;
@@ -42,12 +50,14 @@ export class ShaftForm {
   /** Shows a request. The field that is being edited keeps its text. */
   show(request) {
     this.request = request;
-    // A list whose items or names change is built anew.
-    const names = listAt(request, BEARINGS).map(({ name }) => name);
+    // A list is built anew when its items, or those that it may name, change.
     for (const list of LISTS) {
       const shown = this.lists.get(list.pointer);
       const items = listAt(request, list.pointer);
-      const shape = JSON.stringify([items.length, list.pointer === PRELOADS && names]);
+      const shape = JSON.stringify([
+        items.length,
+        ...namedIn(list).map((pointer) => listAt(request, pointer).map(({ name }) => name)),
+      ]);
       if (shape !== shown.shape) this.#build(list, shown, items.length, shape);
       shown.summary.textContent = items.length && !list.open ? `${list.title}: ${items.length}` : list.title;
     }
@@ -128,7 +138,11 @@ export class ShaftForm {
       'details',
       { class: 'group', open },
       h('summary', {}, title),
-      h('div', { class: 'fields' }, fields.map((spec) => this.#field(spec.pointer, { of, ...spec }))),
+      h(
+        'div',
+        { class: 'fields' },
+        fields.map((spec) => this.#field(spec.pointer, { of, ...spec })),
+      ),
     );
   }
 
@@ -144,13 +158,20 @@ export class ShaftForm {
       this.focus(`${pointer}/${count}`);
     };
     const adder = small(`Add ${item.toLowerCase()}`, add);
-    return { summary, items, note, adder, element: h('details', { class: 'group', open }, summary, error, items, note, tools(adder)) };
+    return {
+      summary,
+      items,
+      note,
+      adder,
+      element: h('details', { class: 'group', open }, summary, error, items, note, tools(adder)),
+    };
   }
 
   #build(list, shown, count, shape) {
     shown.shape = shape;
     const gone = (known) => known.startsWith(`${list.pointer}/`);
-    for (const of of [this.#fields, this.#places, this.#unreadable]) [...of.keys()].filter(gone).forEach((key) => of.delete(key));
+    for (const of of [this.#fields, this.#places, this.#unreadable])
+      [...of.keys()].filter(gone).forEach((key) => of.delete(key));
     shown.items.replaceChildren(...Array.from({ length: count }, (_, i) => this.#item(list, i)));
   }
 
@@ -192,15 +213,18 @@ export class ShaftForm {
       inputmode: spec.text ? 'text' : 'decimal',
       autocomplete: 'off',
       spellcheck: 'false',
-      oninput: () => (spec.text ? this.#renamed(pointer, input.value.trim()) : this.#typed(pointer, input.value)),
+      oninput: () =>
+        spec.text
+          ? this.#change(renamed(this.request, pointer, input.value.trim()))
+          : this.#typed(pointer, input.value, spec.size),
     });
     const ofValue = (value) => (typeof value === 'object' ? 'list' : (value ?? ''));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
 
-  #choice(pointer, { choices, names, ...spec }) {
+  #choice(pointer, { choices, names, none, ...spec }) {
     const pairs = names
-      ? listAt(this.request, names).map(({ name }) => [name, name])
+      ? [...(none ? [['', none]] : []), ...listAt(this.request, names).map(({ name }) => [name, name])]
       : typeof choices === 'function'
         ? choices(this.presets)
         : choices;
@@ -227,7 +251,7 @@ export class ShaftForm {
     );
   }
 
-  #typed(pointer, entered) {
+  #typed(pointer, entered, size) {
     const text = plainNumber(entered);
     this.#unreadable.delete(pointer);
     if (text !== '' && !Number.isFinite(Number(text))) {
@@ -235,28 +259,26 @@ export class ShaftForm {
       this.onChange(this.request);
       return;
     }
-    this.#change(set(this.request, pointer, text === '' ? undefined : Number(text)));
-  }
-
-  /** A new name, also in the pairs that name it. */
-  #renamed(pointer, name) {
-    const old = read(this.request, pointer);
-    let request = set(this.request, pointer, name);
-    if (pointer.startsWith(BEARINGS)) {
-      const pairs = listAt(request, PRELOADS).map((pair) => ({ ...pair, between: pair.between?.map((one) => (one === old ? name : one)) }));
-      if (pairs.length) request = set(request, PRELOADS, pairs);
-    }
-    this.#change(request);
+    this.#change(set(this.request, pointer, text === '' ? undefined : Number(text), size));
   }
 
   /** The arrangement of each preloaded pair. */
   #notes() {
     const bearings = listAt(this.request, BEARINGS);
-    const pairs = listAt(this.request, PRELOADS).map(({ between = [] }) => between.map((name) => bearings.find((one) => one.name === name)));
-    const texts = pairs.filter((pair) => pair.length === 2 && pair.every(Boolean)).map((pair) => `${pair[0].name} and ${pair[1].name}: ${arrangement(pair)}`);
+    const pairs = listAt(this.request, PRELOADS).map(({ between = [] }) =>
+      between.map((name) => bearings.find((one) => one.name === name)),
+    );
+    const texts = pairs
+      .filter((pair) => pair.length === 2 && pair.every(Boolean))
+      .map((pair) => `${pair[0].name} and ${pair[1].name}: ${arrangement(pair)}`);
     this.lists.get(PRELOADS).note.textContent = texts.join('; ');
   }
 }
+
+/** Lists whose items the fields of a list name. */
+const namedIn = ({ fields, more: groups = [] }) => [
+  ...new Set([...fields, ...groups.flatMap((group) => group.fields)].map(({ names }) => names).filter(Boolean)),
+];
 
 /** Opens the groups around an element. */
 function opened(element) {

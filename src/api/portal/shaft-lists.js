@@ -22,11 +22,17 @@ function freeName(request, pointer, candidates) {
 
 const materials = ({ materials: known }) => [['', 'default'], ...Object.keys(known).map((name) => [name, name])];
 
+const BODIES = '/scene/housing/bodies';
+/** The body that holds an item; the ground without one. */
+const on = (path, label = 'Held by') => field(path, label, '', { names: BODIES, none: 'the ground' });
+const triple = (path, label, unit, more) =>
+  ['x', 'y', 'z'].map((axis, i) => field(`${path}/${i}`, `${label} ${axis}`, unit, { size: 3, ...more }));
+
 const LETTERS = [...'ABCDEFGH'];
 const numbered = (name) => Array.from({ length: 16 }, (_, i) => `${name}${i + 1}`);
 
 /** `fresh(request)`: a new item. `choices`: pairs, or a function of the presets. `names`: a list whose
- *  items may be named. `of`: schema of an item.
+ *  items may be named, `none` without one. `of`: schema of an item.
  *  `more`: fields behind a summary. */
 export const LISTS = [
   {
@@ -35,7 +41,11 @@ export const LISTS = [
     item: 'Section',
     of: 'SectionInput',
     open: true,
-    fields: [field('length_mm', 'Length', 'mm'), field('outer_diameter_mm', 'Diameter', 'mm'), field('inner_diameter_mm', 'Bore', 'mm', { fallback: '0' })],
+    fields: [
+      field('length_mm', 'Length', 'mm'),
+      field('outer_diameter_mm', 'Diameter', 'mm'),
+      field('inner_diameter_mm', 'Bore', 'mm', { fallback: '0' }),
+    ],
     fresh: (request) => {
       const last = listAt(request, '/scene/shaft/sections').at(-1);
       return { ...last, length_mm: 50, outer_diameter_mm: last?.outer_diameter_mm ?? 40 };
@@ -52,8 +62,8 @@ export const LISTS = [
       at,
       field('faces', 'Carries thrust', '', {
         choices: [
-          ['+x', 'along +x'],
-          ['-x', 'along −x'],
+          ['+x', '+x'],
+          ['-x', '−x'],
         ],
       }),
     ],
@@ -90,6 +100,26 @@ export const LISTS = [
           field('bearing/materials/ball', 'Balls of', '', {
             choices: materials,
           }),
+        ],
+      },
+      {
+        summary: 'Outer ring',
+        of: 'OuterRingInput',
+        fields: [
+          field('outer_ring/seat', 'Seat', '', {
+            choices: [
+              ['', 'rigid'],
+              ['elastic', 'elastic'],
+              ['sliding', 'sliding'],
+            ],
+          }),
+          on('outer_ring/on'),
+          field('outer_ring/stiffness_n_per_um/0', 'Stiffness along x', 'N/µm', { size: 2 }),
+          field('outer_ring/stiffness_n_per_um/1', 'Stiffness across', 'N/µm', { size: 2 }),
+          field('outer_ring/spring_force_n', 'Force of the spring', 'N'),
+          field('outer_ring/spring_n_per_um', 'Its stiffness', 'N/µm'),
+          field('outer_ring/tilt_mrad/y', 'Tilt about y', 'mrad', { fallback: '0', of: 'OuterTiltInput' }),
+          field('outer_ring/tilt_mrad/z', 'Tilt about z', 'mrad', { fallback: '0', of: 'OuterTiltInput' }),
         ],
       },
       {
@@ -132,7 +162,12 @@ export const LISTS = [
       field('transverse_inertia_kg_m2', 'Inertia about a diameter', 'kg m²', { fallback: '0' }),
       field('axial_inertia_kg_m2', 'Inertia about the axis', 'kg m²', { fallback: '0' }),
     ],
-    fresh: (request) => ({ at_mm: place(request, 0.5), mass_kg: 1, transverse_inertia_kg_m2: 8e-4, axial_inertia_kg_m2: 1.5e-3 }),
+    fresh: (request) => ({
+      at_mm: place(request, 0.5),
+      mass_kg: 1,
+      transverse_inertia_kg_m2: 8e-4,
+      axial_inertia_kg_m2: 1.5e-3,
+    }),
   },
   {
     pointer: '/scene/shaft/unbalances',
@@ -149,10 +184,46 @@ export const LISTS = [
     of: 'SupportInput',
     fields: [
       at,
-      ...['x', 'y', 'z'].map((axis, i) => field(`stiffness_n_per_um/${i}`, `Stiffness ${axis}`, 'N/µm')),
-      ...['x', 'y', 'z'].map((axis, i) => field(`damping_n_s_per_m/${i}`, `Damping ${axis}`, 'N·s/m', { fallback: '0' })),
+      on('on'),
+      ...triple('stiffness_n_per_um', 'Stiffness', 'N/µm'),
+      ...triple('damping_n_s_per_m', 'Damping', 'N·s/m', { fallback: '0' }),
     ],
     fresh: (request) => ({ at_mm: place(request, 0.9), stiffness_n_per_um: [0, 50, 50], damping_n_s_per_m: [0, 200, 200] }),
+  },
+  {
+    pointer: BODIES,
+    title: 'Housing bodies',
+    item: 'Body',
+    of: 'BodyInput',
+    fields: [field('name', 'Name', '', { text: true }), at, field('mass_kg', 'Mass', 'kg')],
+    more: [
+      { summary: 'Inertia', of: 'BodyInput', fields: triple('inertia_kg_m2', 'About', 'kg m²', { fallback: 'of a cube' }) },
+    ],
+    fresh: (request) => ({
+      name: freeName(request, BODIES, ['head', ...numbered('body')]),
+      at_mm: place(request, 0.5),
+      mass_kg: 8,
+    }),
+  },
+  {
+    pointer: '/scene/housing/mounts',
+    title: 'Housing mounts',
+    item: 'Mount',
+    of: 'MountInput',
+    fields: [
+      field('body', 'Of the body', '', { names: BODIES }),
+      at,
+      ...triple('stiffness_n_per_um', 'Stiffness', 'N/µm'),
+      ...triple('damping_n_s_per_m', 'Damping', 'N·s/m', { fallback: '0' }),
+      ...['y', 'z'].map((axis, i) =>
+        field(`tilt_n_m_per_mrad/${i}`, `Against tilt ${axis}`, 'N·m/mrad', { fallback: '0', size: 2 }),
+      ),
+    ],
+    fresh: (request) => {
+      const [body] = listAt(request, BODIES);
+      const usual = { stiffness_n_per_um: [50, 50, 50], damping_n_s_per_m: [300, 300, 300], tilt_n_m_per_mrad: [20, 20] };
+      return { body: body?.name ?? 'head', at_mm: body?.at_mm ?? place(request, 0.5), ...usual };
+    },
   },
   {
     pointer: '/scene/sensors',
@@ -160,7 +231,11 @@ export const LISTS = [
     item: 'Sensor',
     of: 'SensorInput',
     fields: [field('name', 'Name', '', { text: true }), at, field('direction', 'Direction', '', { choices: DIRECTIONS })],
-    fresh: (request) => ({ name: freeName(request, '/scene/sensors', numbered('s')), at_mm: place(request, 0.1), direction: 'y' }),
+    fresh: (request) => ({
+      name: freeName(request, '/scene/sensors', numbered('s')),
+      at_mm: place(request, 0.1),
+      direction: 'y',
+    }),
   },
 ];
 

@@ -62,15 +62,15 @@ const isEmpty = (value) =>
   value === undefined || (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
 
 /** A copy with one value set, or removed if it is `undefined`. A bearing that is only named becomes an object for its changes, and a
- *  name again without them. */
-export function set(request, pointer, value) {
+ *  name again without them. `size`: length of a list of numbers that begins with this value. */
+export function set(request, pointer, value, size = 0) {
   const copy = structuredClone(request);
   const path = steps(pointer);
   const parents = [];
   let at = copy;
   path.slice(0, -1).forEach((step, i) => {
     if (typeof at[step] === 'string') at[step] = { preset: at[step] };
-    at[step] ??= isIndex(path[i + 1]) ? [] : {};
+    at[step] ??= isIndex(path[i + 1]) ? Array(size).fill(0) : {};
     parents.push([at, step]);
     at = at[step];
   });
@@ -95,6 +95,35 @@ export const listAt = (request, pointer) => steps(pointer).reduce((at, step) => 
 export function dimensions(choice, presets) {
   const { preset, ...changes } = typeof choice === 'string' ? { preset: choice } : (choice ?? {});
   return { ...presets.bearings[preset]?.bearing, ...changes };
+}
+
+const BODIES = '/scene/housing/bodies';
+/** Lists and the fields of their items that name a bearing or a body. */
+const NAMING = {
+  '/scene/bearings': [['/scene/preloads', ['between/0', 'between/1']]],
+  [BODIES]: [
+    ['/scene/bearings', ['outer_ring/on']],
+    ['/scene/supports', ['on']],
+    ['/scene/housing/mounts', ['body']],
+    ['/scene/sensors', ['on', 'relative_to']],
+  ],
+};
+
+/** A copy with a new name of an item, also where other items name it. */
+export function renamed(request, pointer, name) {
+  const list = pointer.split('/').slice(0, -2).join('/');
+  const valueAt = (from, path) => steps(path).reduce((at, step) => at?.[step], from);
+  const old = valueAt(request, pointer);
+  let copy = set(request, pointer, name);
+  for (const [other, paths] of NAMING[list] ?? [])
+    listAt(request, other).forEach((item, i) =>
+      paths
+        .filter((path) => valueAt(item, `/${path}`) === old)
+        .forEach((path) => {
+          copy = set(copy, `${other}/${i}/${path}`, name);
+        }),
+    );
+  return copy;
 }
 
 /** Length of the shaft [mm]. */

@@ -23,7 +23,11 @@ export class Shaft {
   /** `request`: the first request, or null for the example; `onChange(request)` gets every changed one, `onOpen(job)` every job shown. */
   constructor(panel, { document: openapi, presets, request, say, onChange, onOpen }) {
     Object.assign(this, { say, onChange, onOpen });
-    this.form = new ShaftForm(at('shaft-fields'), { document: openapi, presets, onChange: (changed) => this.#changed(changed) });
+    this.form = new ShaftForm(at('shaft-fields'), {
+      document: openapi,
+      presets,
+      onChange: (changed) => this.#changed(changed),
+    });
     this.drawing = new ShaftDrawing(at('shaft-drawing'), {
       presets,
       move: (pointer, place) => this.edit(set(this.request, `${pointer}/at_mm`, Number(place.toFixed(3)))),
@@ -204,7 +208,9 @@ export class Shaft {
 
   #showErrors(errors) {
     const elsewhere = this.form.showErrors(errors);
-    at('shaft-errors').textContent = elsewhere.map(({ pointer, detail }) => (pointer ? `${pointer}: ${detail}` : detail)).join('\n');
+    at('shaft-errors').textContent = elsewhere
+      .map(({ pointer, detail }) => (pointer ? `${pointer}: ${detail}` : detail))
+      .join('\n');
   }
 
   /** Submits a job and shows it. */
@@ -267,7 +273,8 @@ export class Shaft {
       ['Result JSON', `rotor-${id}.json`, links.rotor, 'application/json'],
       ['ROSS script', `rotor-${id}.py`, links.rotor_script, 'text/x-python'],
     ];
-    const file = ([text, name, path, type]) => small(text, () => keep(name, path, type).catch((error) => this.say(error.message)));
+    const file = ([text, name, path, type]) =>
+      small(text, () => keep(name, path, type).catch((error) => this.say(error.message)));
     this.files.replaceChildren(tools(h('span', { class: 'note' }, 'Download'), files.filter(([, , path]) => path).map(file)));
   }
 }

@@ -67,7 +67,11 @@ export class Spectra {
     const found = await Promise.all(shown.map(({ kind }) => api.get(path(kind, limitOf(kind)), { signal })));
     stage.replaceChildren(
       tools(labelled('Channel', channel), labelled('Spectrum of the', kind), labelled('Up to', limit, ' kHz')),
-      h('div', { class: shown.length > 1 ? 'pair' : undefined }, shown.map(({ figure }) => figure)),
+      h(
+        'div',
+        { class: shown.length > 1 ? 'pair' : undefined },
+        shown.map(({ figure }) => figure),
+      ),
     );
     const files = shown.flatMap(({ kind }) => {
       const [name, file] = kind === 'envelope' ? ['Envelope', 'envelope'] : ['Spectrum', 'spectrum'];
