@@ -341,7 +341,7 @@ export class RotorView {
         s('path', { class: 'line second dashed', d: path(nodes.map((at, k) => [at, axis + across * side[k]])) }),
       ),
     );
-    this.shapeText.textContent = `${text} ${motion.whirl === 'axial' ? 'The motion is along x. ' : ''}Outline: x–${plane}, dashed: x–${other}, each at its largest. Triangles: bearings and supports.`;
+    this.shapeText.textContent = `${text} ${motion.whirl === 'axial' ? 'The motion is along x. ' : ''}Outline: plane x${plane}, dashed: x${other}, each at its largest. Triangles: bearings and supports.`;
   }
 }
 

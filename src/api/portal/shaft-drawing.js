@@ -9,7 +9,7 @@ const PAD = 26;
 const MOST_HALF = 120;
 /** Room above the shaft for names, and below it for supports and dimensions [px]. */
 const ABOVE = 46;
-const BELOW = 74;
+const BELOW = 88;
 /** Rows of names [px]. */
 const NAMES = { bearing: 14, sensor: 30 };
 /** Change of a place by a key [mm]. */
@@ -295,7 +295,7 @@ export class ShaftDrawing {
 
   /** Lengths of the sections, and below them the places of bearings and supports. Numbers without room are left out. */
   #measures(sections, { x, axis, half }, height) {
-    const rows = [axis + half + 30, height - 16];
+    const rows = [axis + half + 44, height - 16];
     const marks = [];
     let [at, free] = [0, -Infinity];
     const bounds = [0, ...sections.map((section) => (at += finite(section.length_mm)))];

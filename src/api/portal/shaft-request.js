@@ -58,8 +58,11 @@ export const ofJob = (job) => structuredClone(pick(job, ['scene', ...OF_ANALYSIS
 
 const steps = (pointer) => pointer.split('/').slice(1);
 const isIndex = (step) => /^\d+$/.test(step);
+/** Nothing, an object of nothing, or a list of zeros. */
 const isEmpty = (value) =>
-  value === undefined || (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
+  value === undefined ||
+  (Array.isArray(value) && value.every((one) => one === 0)) ||
+  (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
 
 /** A copy with one value set, or removed if it is `undefined`. A bearing that is only named becomes an object for its changes, and a
  *  name again without them. `size`: length of a list of numbers that begins with this value. */
