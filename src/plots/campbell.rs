@@ -95,7 +95,8 @@ impl Campbell<'_> {
         }
         let end = last.min(60.0 * y.values.1);
         drawing.line("leader", (x.at(first), y.at(first / 60.0)), (x.at(end), y.at(end / 60.0)));
-        drawing.text("note", Anchor::End, x.at(end) - 6.0, y.at(end / 60.0) - 6.0, "1×");
+        let middle = 0.5 * (first + end);
+        drawing.text("note", Anchor::Start, x.at(middle) + 6.0, y.at(middle / 60.0) + 14.0, "1×");
         for course in &self.courses {
             draw_course(&mut drawing, self.speed, course, &x, &y);
         }

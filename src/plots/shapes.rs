@@ -40,6 +40,8 @@ const BOTTOM: f64 = 40.0;
 const DEFLECTION: f64 = 0.5;
 /// Share of a panel's half height that the shaft's radius may take.
 const RADIUS: f64 = 0.4;
+/// Rounding of places at the ends of a piece [mm].
+const ROUNDING: f64 = 1e-6;
 
 impl Shapes<'_> {
     /// All shapes, two in a row.
@@ -77,15 +79,20 @@ impl Shapes<'_> {
         for at in &self.supports {
             drawing.triangle(x.at(*at), axis + 0.5 * PANEL - 13.0);
         }
-        for side in [-1.0, 1.0] {
-            let mut points = Vec::new();
-            for piece in &self.pieces {
+        // One edge of the deflected outline, −1 above the axis and 1 below it.
+        let edge = |side: f64| -> Vec<(f64, f64)> {
+            let of_piece = |piece: &Piece| -> Vec<(f64, f64)> {
+                let (from, to) = (piece.from - ROUNDING, piece.to + ROUNDING);
                 let offset = side * 0.5 * piece.diameter * radial;
-                let within = self.nodes.iter().enumerate().filter(|(_, at)| (piece.from..=piece.to).contains(*at));
-                points.extend(within.map(|(k, at)| (x.at(*at), axis + offset + across * shape.main[k])));
-            }
-            drawing.curve(0, points);
-        }
+                let within = self.nodes.iter().zip(&shape.main).filter(|(at, _)| (from..=to).contains(*at));
+                within.map(|(at, displacement)| (x.at(*at), axis + offset + across * displacement)).collect()
+            };
+            self.pieces.iter().flat_map(of_piece).collect()
+        };
+        let mut outline = edge(-1.0);
+        outline.extend(edge(1.0).into_iter().rev());
+        outline.extend(outline.first().copied());
+        drawing.curve(0, outline);
         let line =
             self.nodes.iter().zip(&shape.across).map(|(at, displacement)| (x.at(*at), axis + across * displacement));
         drawing.dashed_curve(1, "dashed", line);
@@ -112,7 +119,7 @@ mod tests {
         assert!(svg.contains("200 Hz, &lt;backward&gt;"));
         assert_eq!(
             ["class=\"rest\"", "curve c0", "curve c1", "class=\"support\""].map(|class| svg.matches(class).count()),
-            [6, 6, 3, 6]
+            [6, 3, 3, 6]
         );
         (shapes.pieces, shapes.nodes, shapes.shapes) = (Vec::new(), &[], Vec::new());
         assert_well_formed(&shapes.svg("Mode shapes", "s"));
