@@ -31,7 +31,13 @@ export class ShaftForm {
   /** `onChange(request)` gets every changed request. */
   constructor(host, { document: openapi, presets, onChange }) {
     Object.assign(this, { openapi, presets, onChange });
-    this.lists = new Map(LISTS.map((list) => [list.pointer, this.#list(list)]));
+    // The service's document decides: what it does not describe is left out.
+    this.known = LISTS.filter(({ of }) => openapi.components.schemas[of]).map((list) => ({
+      ...list,
+      fields: this.#described(list),
+      more: (list.more ?? []).map((group) => ({ ...group, fields: this.#described(group) })),
+    }));
+    this.lists = new Map(this.known.map((list) => [list.pointer, this.#list(list)]));
     host.replaceChildren(
       this.#group(OPERATION),
       ...[...this.lists.values()].map(({ element }) => element),
@@ -39,7 +45,6 @@ export class ShaftForm {
       this.#group(ANALYSIS),
       this.#group(RUN),
     );
-    this.single = [...this.#fields];
   }
 
   /** Whether a field contains text that is not a number. */
@@ -51,7 +56,7 @@ export class ShaftForm {
   show(request) {
     this.request = request;
     // A list is built anew when its items, or those that it may name, change.
-    for (const list of LISTS) {
+    for (const list of this.known) {
       const shown = this.lists.get(list.pointer);
       const items = listAt(request, list.pointer);
       const shape = JSON.stringify([
@@ -104,7 +109,7 @@ export class ShaftForm {
   }
 
   focusFirstError() {
-    this.lists.get(LISTS[0].pointer).element.closest('form').querySelector('.field.wrong :is(input, select)')?.focus();
+    this.lists.get(this.known[0].pointer).element.closest('form').querySelector('.field.wrong :is(input, select)')?.focus();
   }
 
   /** Removes an item; the button that adds one to its list gets the focus. */
@@ -124,6 +129,17 @@ export class ShaftForm {
   #change(request) {
     this.show(request);
     this.onChange(request);
+  }
+
+  /** The fields of a list or group that the service describes. */
+  #described({ of, fields }) {
+    return fields.filter((spec) => this.#schema(spec.of ?? of, spec.path));
+  }
+
+  /** The schema of a field: a property of `of`, named by the last step that is no index. */
+  #schema(of, path) {
+    const property = path.split('/').findLast((step) => !/^\d+$/.test(step));
+    return this.openapi.components.schemas[of]?.properties?.[property];
   }
 
   #fallback(pointer) {
@@ -239,8 +255,7 @@ export class ShaftForm {
     input.id = id;
     input.setAttribute('aria-describedby', `${unit ? `${id}-unit ` : ''}${id}-error`);
     this.#fields.set(pointer, { input, error, fallback, ofValue });
-    const property = pointer.split('/').findLast((step) => !/^\d+$/.test(step));
-    const schema = this.openapi.components.schemas[of]?.properties?.[property] ?? {};
+    const schema = this.#schema(of, pointer) ?? {};
     return h(
       'div',
       { class: 'field' },

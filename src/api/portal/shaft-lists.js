@@ -98,6 +98,7 @@ export const LISTS = [
           field('bearing/inner_groove_curvature', 'Inner curvature', '', { fallback: '0.52' }),
           field('bearing/outer_groove_curvature', 'Outer curvature', '', { fallback: '0.53' }),
           field('bearing/materials/ball', 'Balls of', '', {
+            of: 'MaterialsInput',
             choices: materials,
           }),
         ],
