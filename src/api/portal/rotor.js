@@ -248,16 +248,20 @@ export class RotorView {
   }
 
   #drawForces() {
-    const { supports, bearings = [], speeds_rpm: speeds, operating } = this.answer;
+    const { supports, bearings = [], mounts = [], speeds_rpm: speeds, operating } = this.answer;
     const linear = supports.length - bearings.length;
     const nearest = speeds.reduce(
       (best, speed, k) => (Math.abs(speed - operating.speed_rpm) < Math.abs(speeds[best] - operating.speed_rpm) ? k : best),
       0,
     );
-    const name = (k) => (k < linear ? `support ${k + 1}` : bearings[k - linear].name);
+    const names = [
+      ...Array.from({ length: linear }, (_, k) => `support ${k + 1}`),
+      ...bearings.map((one) => one.name),
+      ...mounts.map((_, k) => `mount ${k + 1}`),
+    ];
     const force = (value) => number(Math.abs(value) < 1e-6 ? 0 : value, 4);
-    const rows = supports.map(({ static_force_n: rest, unbalance_force_y_n: y, unbalance_force_z_n: z }, k) => [
-      name(k),
+    const rows = [...supports, ...mounts].map(({ static_force_n: rest, unbalance_force_y_n: y, unbalance_force_z_n: z }, k) => [
+      names[k],
       ...rest.map(force),
       force(y[nearest]),
       force(z[nearest]),
@@ -270,7 +274,7 @@ export class RotorView {
     ]);
     this.forces.replaceChildren(
       table(
-        `Forces of the shaft, N; from unbalance at ${quantity(speeds[nearest], 'r/min', 6)}`,
+        `Forces, N; from unbalance at ${quantity(speeds[nearest], 'r/min', 6)}`,
         ['On', 'x', 'y', 'z', 'unbalance y', 'unbalance z'],
         rows,
       ),
@@ -329,7 +333,9 @@ export class RotorView {
       motion.speed_rpm !== undefined
         ? `Critical speed ${quantity(Math.round(motion.speed_rpm), 'r/min', 6)}`
         : quantity(motion.frequency_hz, 'Hz', 5);
-    const text = `${what}, ${name}, damping ratio ${percent(motion.damping_ratio)}.`;
+    const bodies = (shape.bodies ?? []).map((body) => `${body.name} ${number(Math.max(...body.amplitude), 2)}`);
+    const housing = bodies.length ? ` Housing relative to the largest motion: ${bodies.join(', ')}.` : '';
+    const text = `${what}, ${name}, damping ratio ${percent(motion.damping_ratio)}.${housing}`;
     this.shape.replaceChildren(
       s(
         'svg',

@@ -231,7 +231,13 @@ export const LISTS = [
     title: 'Sensors',
     item: 'Sensor',
     of: 'SensorInput',
-    fields: [field('name', 'Name', '', { text: true }), at, field('direction', 'Direction', '', { choices: DIRECTIONS })],
+    fields: [
+      field('name', 'Name', '', { text: true }),
+      at,
+      field('direction', 'Direction', '', { choices: DIRECTIONS }),
+      field('on', 'On', '', { names: BODIES, none: 'the shaft' }),
+      field('relative_to', 'Relative to', '', { names: BODIES, none: 'the ground' }),
+    ],
     fresh: (request) => ({
       name: freeName(request, '/scene/sensors', numbered('s')),
       at_mm: place(request, 0.1),
