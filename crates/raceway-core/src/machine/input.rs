@@ -1,5 +1,7 @@
 //! Input of a machine: a shaft, its bearings with all that moves in them, and sensors.
 
+use std::f64::consts::TAU;
+
 use crate::physics::operation::SpeedProfile;
 use crate::rotor::input::{Rotor, RotorError};
 use crate::simulation::input::channel::Axis;
@@ -65,13 +67,18 @@ pub enum MachineError {
     /// The motion has left every physical range.
     #[error("the motion diverges at t = {time:.6} s; {cause}")]
     Diverged { time: f64, cause: &'static str },
-    /// A motion grows by itself, so that levels would depend on the recorded time.
-    #[error("a motion grows by {rate:.3} 1/s at the operating speed: {cause}")]
-    Grows { rate: f64, cause: &'static str },
+    /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does.
+    #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
+    Grows { rate: f64, speeds: [f64; 2], cause: &'static str },
     /// More modes of the shaft lie in the range than a run can carry.
     #[error("the shaft has more than {0} modes in the range; give a lower mode_range")]
     TooManyModes(usize),
     /// The caller no longer wants the result.
     #[error("stopped at t = {0:.6} s")]
     Stopped(f64),
+}
+
+fn at_speeds(speeds: &[f64; 2]) -> String {
+    let [from, to] = speeds.map(|speed| 60.0 * speed / TAU);
+    if from == to { format!("at {from:.0} r/min") } else { format!("between {from:.0} and {to:.0} r/min") }
 }

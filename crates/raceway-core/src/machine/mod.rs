@@ -13,6 +13,8 @@ pub mod equations;
 pub mod frame;
 pub mod start;
 
+mod growth;
+
 pub(crate) mod propagator;
 pub(crate) mod stepping;
 

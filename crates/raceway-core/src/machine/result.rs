@@ -9,6 +9,7 @@ use super::recording::{BearingRecord, MachineRecording};
 use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
 use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_orbit_ratio, with_cage_speed};
+use crate::physics::operation::SpeedProfile;
 use crate::simulation::input::settings::ENVELOPE_BAND;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::sampling::{BAND, RATE};
@@ -31,7 +32,7 @@ pub struct MachineResult {
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
-    /// Growth rate of the linear analysis at the operating speed [1/s]; negative: all motions decay.
+    /// Growth rate of the linear analysis at the first speed [1/s]; negative: all motions decay.
     pub growth_rate: Option<f64>,
 }
 
@@ -128,7 +129,7 @@ fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
 }
 
 fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRecording) -> Vec<BearingMetrics> {
-    let (_, shaft_speed, _) = dynamics.speed.at(recording.start);
+    let shaft_speed = mean_speed(&dynamics.speed, recording);
     let turns = |speed: f64| speed.abs() / TAU;
     let of = |(bearing, record): (&MachineBearing, &BearingRecord)| {
         let geometry = &bearing.scene.bearing;
@@ -141,10 +142,19 @@ fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRe
                 turns(record.cage_speed),
                 turns(record.ball_spin),
             ),
-            cage_slip: (ideal > 0.0).then(|| 1.0 - record.cage_speed.abs() / ideal),
+            cage_slip: (ideal > 0.0 && !dynamics.speed.reverses()).then(|| 1.0 - record.cage_speed.abs() / ideal),
         }
     };
     machine.bearings.iter().zip(&recording.bearings).map(of).collect()
+}
+
+/// Mean speed of the shaft over the recorded time [rad/s].
+fn mean_speed(speed: &SpeedProfile, recording: &MachineRecording) -> f64 {
+    let (start, duration) = (recording.start, recording.signals[0].1.len() as f64 / RATE);
+    match speed.is_constant() {
+        true => speed.at(start).1,
+        false => (speed.at(start + duration).0 - speed.at(start).0) / duration,
+    }
 }
 
 fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings: &[BearingMetrics]) -> SignalSpectra {

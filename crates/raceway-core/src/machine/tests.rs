@@ -9,7 +9,7 @@ use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
 use super::run::simulate;
 use super::start::start_state;
-use super::stepping::MachineStepper;
+use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::ode::Method;
 use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::Tolerances;
@@ -28,7 +28,7 @@ use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
 use crate::rotor::analysis::analyse;
 use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
-use crate::simulation::input::channel::{Axis, BallContact};
+use crate::simulation::input::channel::{Axis, BallContact, Motion};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
@@ -36,6 +36,8 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
+
+mod loads;
 
 const RPM: f64 = PI / 30.0;
 
@@ -68,6 +70,7 @@ fn motor_spindle() -> Machine {
             speed: 6000.0 * RPM,
             gravity: 9.81,
             load: [0.0, 100.0, 0.0],
+            loads: Vec::new(),
         },
         bearings: [("A", 0.0), ("B", 2.4)]
             .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
@@ -224,7 +227,7 @@ fn slow_vibration_is_that_of_the_linear_analysis() {
 /// The motion of the shaft at each bearing after a time, in steps of a length.
 fn after(machine: &Machine, time: f64, step: f64) -> Vec<[f64; 5]> {
     let (dynamics, state) = started(machine);
-    let mut stepper = MachineStepper::new(&dynamics, 0.0, &state, step);
+    let mut stepper = MachineStepper::new(&dynamics, 0.0, &state, StepLength { longest: step, share: 1.0 });
     while stepper.time() < time - 0.5 * step {
         stepper.advance();
     }

@@ -15,9 +15,9 @@ pub(crate) mod system;
 
 mod campbell;
 mod critical;
-mod deflection;
+pub(crate) mod deflection;
+pub(crate) mod response;
 mod shape;
-pub(crate) mod unbalance;
 
 #[cfg(test)]
 mod tests;
