@@ -27,10 +27,11 @@ pub struct SolverInput {
     #[schema(nullable = false, example = 0.05)]
     pub model_tolerance_db: Option<f64>,
     /// Model level. Default: the cheapest level that contains the requested outputs and that is confirmed within `model_tolerance_db` by a
-    /// comparison with the next richer level. With a named method or a fixed step: `full` or `planar`.
+    /// comparison with the next richer level. With a named method: `full` or `planar`.
     #[schema(nullable = false, value_type = Option<RungName>)]
     pub rung: Option<String>,
-    /// Fixed step size instead of error control [µs]; only with `dormand_prince` and `fine_abm`.
+    /// Fixed step size instead of error control [µs], with `dormand_prince` and `fine_abm`. With the rungs `radially_condensed` and
+    /// `spindle_only`: their longest step; steps divide intervals of 9.8 µs between kept values, or join up to 2.5 of them.
     #[schema(nullable = false)]
     pub fixed_step_us: Option<f64>,
 }
@@ -110,16 +111,17 @@ impl SolverInput {
         defaults.check("/solver/relative_tolerance", relative_tolerance);
         if let Some(step) = self.fixed_step_us {
             defaults.check("/solver/fixed_step_us", step);
-            if !method.takes_fixed_steps() {
+            let has_own_steps = matches!(rung, Some(ModelLevel::RadiallyCondensed | ModelLevel::SpindleOnly));
+            if !(method.takes_fixed_steps() || has_own_steps) {
                 let takers = listed(Method::NAMED.iter().filter(|m| m.takes_fixed_steps()).map(|m| m.name()));
-                defaults.refuse("/solver/fixed_step_us", format!("goes with the methods {takers}, not with `{name}`"));
+                let detail = format!(
+                    "goes with the methods {takers}, and with the rungs `radially_condensed` and `spindle_only`, not with `{name}`"
+                );
+                defaults.refuse("/solver/fixed_step_us", detail);
             }
         }
-        if let Some(rung) = rung.filter(|rung| rung.is_reduced())
-            && (method != Method::Auto || self.fixed_step_us.is_some())
-        {
-            let detail =
-                format!("`{}` has its own integrator: the method must be `auto`, without a fixed step", rung.name());
+        if let Some(rung) = rung.filter(|rung| rung.is_reduced() && method != Method::Auto) {
+            let detail = format!("`{}` has its own integrator: the method must be `auto`", rung.name());
             defaults.refuse("/solver/rung", detail);
         }
         let fixed_step = self.fixed_step_us.map(|step| US.to_si(step));

@@ -226,6 +226,12 @@ fn methods_that_take_fixed_steps_get_them() {
         request["solver"] = json!({"method": method, "fixed_step_us": 0.5});
         assert_eq!(base(&request).settings.fixed_step, Some(5e-7));
     }
+    for rung in ["radially_condensed", "spindle_only"] {
+        let mut request = article(json!({"speed_rpm": 50000, "radial_load_y_n": 200}));
+        request["solver"] = json!({"rung": rung, "fixed_step_us": 2});
+        request["outputs"] = json!({"metrics": ["vibration"]});
+        assert_eq!(base(&request).settings.fixed_step, Some(2e-6));
+    }
 }
 
 #[test]

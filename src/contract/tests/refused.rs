@@ -191,7 +191,7 @@ fn impossible_jobs_are_refused() {
                 r#""solver":{"rung":"spindle_only","fixed_step_us":1,"method":"dormand_prince"},"outputs":{"metrics":["vibration"]}"#,
             ),
             "/solver/rung",
-            "without a fixed step",
+            "the method must be `auto`",
         ),
         (scene(r#""terms":{"cage_tilt":"off"}},"solver":{"rung":"full""#), "/solver/rung", "terms.cage_tilt is off"),
         (
