@@ -12,6 +12,8 @@ pub mod study;
 
 mod many_runs;
 mod range;
+mod shaft_draft;
+pub mod submission;
 mod varied;
 
 pub mod simulation;

@@ -47,7 +47,7 @@ const OF_A_JOB: [FieldLimits; 12] = [
 ];
 
 /// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 46] = [
+const OF_A_ROTOR: [FieldLimits; 48] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -61,6 +61,8 @@ const OF_A_ROTOR: [FieldLimits; 46] = [
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),
     from("/scene/operation/speed_rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/speed_rpm/rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/loads/at_mm", 0.0, 4e6, "mm"),
     from("/scene/operation/radial_load_y_n", -1e7, 1e7, "N"),
     from("/scene/operation/radial_load_z_n", -1e7, 1e7, "N"),
     from("/scene/operation/axial_load_n", -1e7, 1e7, "N"),

@@ -7,6 +7,7 @@ pub mod channel;
 pub mod input;
 pub mod result;
 pub mod run;
+pub mod settings;
 
 pub mod bearing;
 pub mod equations;

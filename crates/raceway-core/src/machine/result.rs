@@ -21,6 +21,8 @@ use crate::simulation::result::metrics::level_db;
 #[derive(Debug, Clone)]
 pub struct MachineResult {
     pub channels: Vec<(MachineChannel, SignalMetrics)>,
+    /// Values of the kept signals.
+    pub series: Vec<(MachineChannel, Vec<f64>)>,
     /// Spectra of the accelerations and of their envelopes.
     pub spectra: Vec<SignalSpectra>,
     pub bearings: Vec<BearingMetrics>,
@@ -87,6 +89,7 @@ impl MachineResult {
         machine: &Machine,
         dynamics: &MachineDynamics,
         recording: MachineRecording,
+        series: &[MachineChannel],
         accuracy: Accuracy,
     ) -> Self {
         let bearings: Vec<BearingMetrics> = bearings(machine, dynamics, &recording);
@@ -97,6 +100,7 @@ impl MachineResult {
         let natural = system.oscillations(speed).unwrap_or_default().into_iter().map(|oscillation| oscillation.value);
         Self {
             channels: channels.collect(),
+            series: series.iter().map(|channel| (*channel, in_unit(*channel, recording.of(*channel)))).collect(),
             spectra: accelerations.map(|(channel, values)| spectra(*channel, values, machine, &bearings)).collect(),
             natural_frequencies: natural
                 .map(|value| (value.im / TAU, -value.re / value.norm()))
@@ -157,8 +161,13 @@ fn mean_speed(speed: &SpeedProfile, recording: &MachineRecording) -> f64 {
     }
 }
 
+/// Values in the unit of a channel.
+fn in_unit(channel: MachineChannel, values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| channel.scale() * value).collect()
+}
+
 fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings: &[BearingMetrics]) -> SignalSpectra {
-    let scaled: Vec<f64> = values.iter().map(|value| channel.scale() * value).collect();
+    let scaled = in_unit(channel, values);
     let (amplitude, envelope) = amplitude_and_envelope(&scaled, RATE, ENVELOPE_BAND, EnvelopeKind::Magnitude);
     let is_constant = machine.speed.is_constant();
     let lines = |spectrum: &Spectrum| if is_constant { labelled(spectrum, machine, bearings) } else { Vec::new() };
@@ -167,6 +176,8 @@ fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings:
 
 /// Lines labelled by the bearing whose combination lies nearest; labels of balls and cages name it, as `BPFO@A`.
 fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics]) -> Vec<Line> {
+    let harmonics = machine.rotor.loads.iter().filter_map(|load| load.load.harmonic());
+    let loads: Vec<f64> = harmonics.map(|harmonic| harmonic.frequency(machine.rotor.speed)).collect();
     let mut best: Vec<Line> = Vec::new();
     for (bearing, metrics) in machine.bearings.iter().zip(bearings) {
         let surfaces = &bearing.scene.surfaces;
@@ -178,7 +189,7 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
             uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
             odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
             unequal_balls: bearing.scene.has_unequal_balls(),
-            loads: &[],
+            loads: &loads,
         };
         let found = find_lines(spectrum, &sources, BAND).into_iter().map(|line| named(line, &bearing.name));
         if best.is_empty() {

@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
-use super::input::{Machine, MachineError, MachineSettings};
+use super::input::{Machine, MachineError};
 use super::recording::{MachineRecording, Recorder};
 use super::result::{Accuracy, MachineResult};
+use super::settings::MachineSettings;
 use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::statistics::rms;
@@ -70,7 +71,7 @@ pub fn simulate(
             continue;
         }
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work };
-        return Ok(MachineResult::of(machine, &dynamics, recording, accuracy));
+        return Ok(MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy));
     }
 }
 

@@ -6,8 +6,9 @@ use nalgebra::DMatrix;
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
+use super::input::{Machine, MachineBearing, Sensor};
 use super::run::simulate;
+use super::settings::{MachineSettings, RANGE};
 use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::ode::Method;
@@ -358,7 +359,7 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
 fn a_run_shows_the_response_to_unbalance() {
     let mut machine = motor_spindle();
     machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
-    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE };
+    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE, series: Vec::new() };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
     let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4 };
     let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
@@ -387,7 +388,7 @@ fn whirl_that_its_damping_drives_ends_with_the_cause() {
     (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
     machine.rotor.speed = 60_000.0 * RPM;
     machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
-    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE };
+    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE, series: Vec::new() };
     let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
     assert!(error.contains("rotating_share"), "{error}");
 }
