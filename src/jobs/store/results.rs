@@ -28,6 +28,7 @@ use crate::jobs::job::Status;
 pub enum StoredResult {
     /// Of a simulation or a machine: metrics, signals by channel, chunks of the series, and the data of the plots.
     Run {
+        kind: JobKind,
         metrics: Sealed<String>,
         signals: Signals,
         chunks: RecordedChunks,
@@ -66,7 +67,7 @@ impl StoredResult {
         let heads = outcome.series.iter().map(|series| series.head.clone());
         let series = heads.enumerate().map(|(number, head)| series_signal(result, &StoredHead::new(head, number)));
         let signals = [spectra_of(result, &outcome.spectra)?, series.collect::<Result<_, _>>()?].concat();
-        Ok(Self::Run { metrics, signals, chunks, views: None })
+        Ok(Self::Run { kind: JobKind::Machine, metrics, signals, chunks, views: None })
     }
 
     fn of_simulation(outcome: &Simulated, chunks: RecordedChunks) -> Result<Self, JobError> {
@@ -81,7 +82,7 @@ impl StoredResult {
             || (spectra_of(result, behind), series_of(result, outcome), json()),
         );
         let signals = [ahead?, behind?, series?].concat();
-        Ok(Self::Run { metrics: metrics?, signals, chunks, views: views? })
+        Ok(Self::Run { kind: JobKind::Simulation, metrics: metrics?, signals, chunks, views: views? })
     }
 }
 
@@ -136,7 +137,7 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
     };
     match result {
         StoredResult::Report(_, answer) => vec![of_metrics(&no_metrics(id)), of_answer("reports", answer)],
-        StoredResult::Run { metrics, signals, chunks, views } => {
+        StoredResult::Run { metrics, signals, chunks, views, .. } => {
             let mut statements = vec![of_metrics(metrics)];
             if !signals.is_empty() {
                 statements.push(insertion_of_signals(id, signals, provided));
