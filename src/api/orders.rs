@@ -23,7 +23,8 @@ use super::stored_answer::{CSV, JSON, NPY, SVG, formatted, json_text, respond, s
 use crate::contract::answer::orders::{
     AnalysedSignal, OrdersAnswer, RunningOrders, RunningWaterfall, WaterfallAnswer, WaterfallAxis,
 };
-use crate::contract::job::orders::{OrdersInput, RecordedTurns, ReferenceName, time_windows};
+use crate::contract::job::orders::{OrdersInput, ReferenceName, time_windows};
+use crate::contract::job::recorded_turns::RecordedTurns;
 use crate::contract::{FieldError, Job, Uploads, parse_job_with};
 use crate::jobs::{JobError, Signal, StoredSeries};
 use crate::plots::draw;

@@ -12,7 +12,8 @@ use utoipa::ToSchema;
 use super::csv::{npy_table, quoted};
 use super::signals::{SeriesAnswer, SpectrumAnswer};
 use crate::contract::job::checked::Job;
-use crate::contract::job::orders::{OrderRequest, OrdersInput, RecordedTurns, ReferenceName, time_windows};
+use crate::contract::job::orders::{OrderRequest, OrdersInput, ReferenceName, time_windows};
+use crate::contract::job::recorded_turns::RecordedTurns;
 use crate::contract::json::numbers::rounded;
 
 /// Speed of 1 Hz in r/min.

@@ -11,8 +11,9 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::kind::JobKind;
-use super::orders::{OrdersInput, RecordedBearing, RecordedTurns};
+use super::orders::OrdersInput;
 use super::outputs::MAX_CHANNELS;
+use super::recorded_turns::{RecordedBearing, RecordedTurns};
 use super::shaft_draft::{ShaftDraft, ShaftRequest};
 use super::submission::{ServiceFields, Submission};
 use crate::contract::json::defaults::Defaults;

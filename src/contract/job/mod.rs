@@ -25,6 +25,7 @@ pub mod kind;
 pub mod axis;
 pub mod orders;
 pub mod outputs;
+pub mod recorded_turns;
 pub mod solver;
 mod times;
 

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::orders::{DEFAULT_CHANNEL, OrdersInput, turning_channels};
+use super::orders::{DEFAULT_CHANNEL, OrdersInput};
+use super::recorded_turns::turning_channels;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
 use crate::contract::json::shapes::optional_object;

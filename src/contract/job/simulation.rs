@@ -15,8 +15,8 @@ use serde_json::{Value, json};
 
 use super::input::JobInput;
 use super::kind::JobKind;
-use super::orders::RecordedTurns;
 use super::outputs::{OutputsInput, USUAL_SPECTRA};
+use super::recorded_turns::RecordedTurns;
 use super::solver::{Solver, SolverInput};
 use super::submission::{Submission, all_errors};
 use super::times;

@@ -3,19 +3,13 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::shaft::check_place;
 use super::surfaces::are_within_limits;
 use crate::contract::json::defaults::Defaults;
-use crate::contract::json::numbers::significant;
-use crate::contract::json::parameters::field_error;
 use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::{optional_list, optional_object};
-use crate::contract::json::units::{DEG, HZ, MM, N, N_M, NUMBER, S, Unit};
-use raceway_core::physics::InvalidParameter;
-use raceway_core::physics::frame::shaft::Shaft;
+use crate::contract::json::units::{DEG, HZ, N, N_M, NUMBER, S, Unit};
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, MOST_LOADS, Shock};
-use raceway_core::rotor::input::PlacedLoad;
 
 /// A load on the spindle, at its centre of mass, or on a place of the shaft: exactly one of `constant_n`, `points`, `harmonic`, `rotating`, `shock` and `series`. Moments have
 /// `n_m` in place of `n`. Times count from the start, settling included.
@@ -175,7 +169,7 @@ pub struct LoadSeriesInput {
     pub hash: String,
 }
 
-const POINTER: &str = "/scene/operation/loads";
+pub(super) const POINTER: &str = "/scene/operation/loads";
 
 /// Loads on the spindle in `physics`. A load with an error is left out.
 pub fn resolve(loads: &mut Option<Vec<LoadInput>>, defaults: &mut Defaults) -> Vec<Load> {
@@ -199,43 +193,6 @@ pub fn resolve(loads: &mut Option<Vec<LoadInput>>, defaults: &mut Defaults) -> V
         load.resolve(&at, defaults)
     };
     all.filter_map(resolve).collect()
-}
-
-/// Loads on a shaft of a length [mm] that turns at most with a speed [rad/s]. A load with an error is left out.
-pub fn on_shaft(
-    loads: &mut Option<Vec<LoadInput>>,
-    (shaft, length_mm): (&Shaft, f64),
-    largest_speed: f64,
-    defaults: &mut Defaults,
-) -> Vec<PlacedLoad> {
-    let count = loads.as_ref().map_or(0, Vec::len);
-    if count > MOST_LOADS {
-        defaults.refuse(POINTER, format!("{count} loads: at most {MOST_LOADS}"));
-    }
-    let mut placed = Vec::with_capacity(count.min(MOST_LOADS));
-    for (index, load) in loads.iter_mut().flatten().enumerate().take(MOST_LOADS) {
-        let at = format!("{POINTER}/{index}");
-        if load.on == Some(LoadedBody::Spindle) {
-            defaults.refuse(
-                format!("{at}/on"),
-                "the scene has a `shaft` in place of a spindle: leave it out, or give `shaft`",
-            );
-        }
-        defaults.fill(format!("{at}/on"), &mut load.on, LoadedBody::Shaft);
-        let centre = significant(MM.to_user(shaft.mass_centre()), 12);
-        let place = defaults.fill(format!("{at}/at_mm"), &mut load.at_mm, centre);
-        check_place(defaults, &at, place, length_mm);
-        let Some(resolved) = load.resolve(&at, defaults) else { continue };
-        if resolved.direction() == Some(LoadDirection::X) && !shaft.is_axially_free {
-            defaults.refuse(format!("{at}/direction"), "the shaft does not move along X: give `shaft.axial` as `free`");
-        }
-        // Values by themselves were checked already.
-        let faults = resolved.faults(index, largest_speed);
-        let joint = faults.iter().filter(|fault| matches!(fault, InvalidParameter::Inconsistent { .. }));
-        defaults.errors.extend(joint.map(field_error));
-        placed.push(PlacedLoad { at: MM.to_si(place), load: resolved });
-    }
-    placed
 }
 
 impl LoadDirectionInput {
@@ -284,7 +241,7 @@ impl Place<'_> {
 
 impl LoadInput {
     /// `None` after an error.
-    fn resolve(&mut self, at: &str, defaults: &mut Defaults) -> Option<Load> {
+    pub(super) fn resolve(&mut self, at: &str, defaults: &mut Defaults) -> Option<Load> {
         let kinds = [
             ("constant_n", self.constant_n.is_some() || self.constant_n_m.is_some()),
             ("points", self.points.is_some()),

@@ -4,11 +4,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::loads::{self, LoadInput};
+use super::loads::LoadInput;
 use super::operation::{SpeedInput, SpeedPointInput};
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
 use super::scene_input::ResolvedScene;
 use super::shaft::{ElementsName, ShaftInput, check_place};
+use super::shaft_loads;
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list};
@@ -172,7 +173,7 @@ impl RotorSceneInput {
             rotor_bearings::preload(preloads, inputs, &mut bearings, defaults);
         }
         let elements = self.shaft.elements.unwrap_or(ElementsName::Auto).into();
-        let loads = loads::on_shaft(&mut self.operation.loads, (&shaft, length_mm), speed.largest(), defaults);
+        let loads = shaft_loads::resolve(&mut self.operation.loads, (&shaft, length_mm), speed.largest(), defaults);
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
         let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, length_mm, &shaft);
         ResolvedRotor {
