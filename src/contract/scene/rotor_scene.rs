@@ -5,7 +5,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::loads::LoadInput;
-use super::operation::{SpeedInput, SpeedPointInput};
+use super::operation::SpeedInput;
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
 use super::scene_input::ResolvedScene;
 use super::shaft::{ElementsName, ShaftInput, check_place};
@@ -189,16 +189,18 @@ impl RotorSceneInput {
 /// The speed in SI; at rest after an error.
 fn shaft_speed(input: &SpeedInput, defaults: &mut Defaults) -> SpeedProfile {
     const POINTER: &str = "/scene/operation/speed_rpm";
-    let is_inside = match input {
-        SpeedInput::Constant(speed) => defaults.check_of_rotor(POINTER, *speed),
-        SpeedInput::Profile(points) => {
-            let check = |(index, point): (usize, &SpeedPointInput)| {
-                defaults.check_of_rotor(&format!("{POINTER}/{index}/rpm"), point.rpm)
-            };
-            points.iter().enumerate().take(MOST_POINTS).map(check).fold(true, |all, inside| all && inside)
+    let known_errors = defaults.errors.len();
+    match input {
+        SpeedInput::Constant(speed) => {
+            defaults.check_of_rotor(POINTER, *speed);
         }
-    };
-    let profile = if is_inside { input.resolve(defaults) } else { None };
+        SpeedInput::Profile(points) => {
+            for (index, point) in points.iter().enumerate().take(MOST_POINTS) {
+                defaults.check_of_rotor(&format!("{POINTER}/{index}/rpm"), point.rpm);
+            }
+        }
+    }
+    let profile = if defaults.errors.len() == known_errors { input.resolve(defaults) } else { None };
     profile.unwrap_or_else(SpeedProfile::at_rest)
 }
 
