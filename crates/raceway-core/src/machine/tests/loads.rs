@@ -22,7 +22,7 @@ fn oscillator(ratio: f64) -> Machine {
     rotor.bearings.clear();
     rotor.unbalances.clear();
     (rotor.shaft.damping_ratio, rotor.shaft.is_axially_free) = (0.0, false);
-    rotor.shaft.material.elastic_modulus *= 1e5;
+    rotor.shaft.material.elastic_modulus *= 1e4;
     rotor.shaft.material.density = 1e-3;
     rotor.shaft.discs[0].mass = MASS;
     (rotor.gravity, rotor.load) = (0.0, [0.0; 3]);
@@ -127,7 +127,7 @@ fn a_shock_of_half_a_period_has_the_factor_of_the_closed_form() {
     let shock = Shock { peak: 100.0, at: 1.2345e-3, duration: 0.5 * TAU / FREQUENCY };
     let machine = loaded(oscillator(0.0), LoadCourse::Shock(shock));
     let factor = largest(&course(&machine, 0.03)) * STIFFNESS / 100.0;
-    assert!((factor / FRAC_PI_2 - 1.0).abs() < 1e-5, "{factor}");
+    assert!((factor / FRAC_PI_2 - 1.0).abs() < 1e-4, "{factor}");
 }
 
 /// A load that jumps between two steps: F/K (1 − cos ω(t − t₀)), because a step ends there.
@@ -135,9 +135,9 @@ fn a_shock_of_half_a_period_has_the_factor_of_the_closed_form() {
 fn a_jump_between_steps_is_taken_at_its_time() {
     let at = 1.2345e-3;
     let jump = LoadCourse::Points(vec![(at, 0.0), (at + 1e-9, 100.0)]);
-    for (time, [y, _]) in course(&loaded(oscillator(0.0), jump), 0.01) {
+    for (time, [y, _]) in course(&loaded(oscillator(0.0), jump), 0.005) {
         let expected = if time > at { 1.0 - (FREQUENCY * (time - at)).cos() } else { 0.0 };
-        assert!((y * STIFFNESS / 100.0 - expected).abs() < 1e-4, "{time} s: {y}");
+        assert!((y * STIFFNESS / 100.0 - expected).abs() < 3e-4, "{time} s: {y}");
     }
 }
 
