@@ -91,7 +91,7 @@ def case_refusals(running):
         (job(spindle={"mass_kg": 1}), "/scene/spindle"),
         (job(bearing="6205"), "/scene/bearing"),
         (job(operation={"speed_rpm": -1}), "/scene/operation/speed_rpm"),
-        (job(operation={"loads": []}), "/scene/operation/loads"),
+        (job(operation={"speed_rpm": 0, "loads": [{"direction": "y"}]}), "/scene/operation/loads/0"),
         (job(bearings=[{"name": "cage", "bearing": "6205", "at_mm": 40}]), "/scene/bearings/0/name"),
         (job(bearings=[{"name": "A", "bearing": "6205", "at_mm": 40, "outer_ring": {"seat": "sliding"}}]),
          "/scene/bearings/0/outer_ring/seat"),

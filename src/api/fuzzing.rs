@@ -139,7 +139,7 @@ async fn resolve(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody
 
 async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    parse_rotor_request(&body)?;
+    parse_rotor_request(&body, &Uploads::stand_in())?;
     Ok(StatusCode::OK.into_response())
 }
 

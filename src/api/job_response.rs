@@ -309,17 +309,18 @@ impl Links {
         let (simulated, compared) = (succeeded(JobKind::Simulation), succeeded(JobKind::Accuracy));
         let drawn = simulated && (spectra || series);
         let in_time = succeeded(JobKind::Machine);
+        let recorded = simulated || in_time;
         Self {
             events: format!("{this}/events"),
             cancel: link("cancel", !status.is_final()),
             metrics: link("metrics", simulated),
             spectrum: link("spectrum", in_time || simulated && spectra),
-            channels: link("channels", in_time || simulated),
-            series: link("series", simulated && series),
-            orders: link("orders", simulated && orders),
-            waterfall: link("waterfall", simulated && orders),
-            orders_svg: link("plots/orders.svg", simulated && orders),
-            waterfall_svg: link("plots/waterfall.svg", simulated && orders),
+            channels: link("channels", recorded),
+            series: link("series", recorded && series),
+            orders: link("orders", recorded && orders),
+            waterfall: link("waterfall", recorded && orders),
+            orders_svg: link("plots/orders.svg", recorded && orders),
+            waterfall_svg: link("plots/waterfall.svg", recorded && orders),
             spectrum_svg: link("plots/spectrum.svg", in_time || simulated && spectra),
             envelope_svg: link("plots/envelope.svg", in_time || simulated && spectra),
             impact_svg: link("plots/impact.svg", drawn && fields.scene.surfaces.have_defects()),

@@ -1,11 +1,13 @@
 //! Orders of a run whose speed varies: order spectra, order tracks and waterfalls. They are computed from the kept series on request, chunk
 //! by chunk, so that no signal is held as a whole.
 
+use std::sync::Arc;
+
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use raceway_core::orders::analysis::Value;
-use raceway_core::simulation::input::channel::Channel;
+use raceway_core::orders::rotations::SimulatedSpeeds;
 use serde::Deserialize;
 use utoipa::IntoParams;
 use uuid::Uuid;
@@ -21,8 +23,9 @@ use super::stored_answer::{CSV, JSON, NPY, SVG, formatted, json_text, respond, s
 use crate::contract::answer::orders::{
     AnalysedSignal, OrdersAnswer, RunningOrders, RunningWaterfall, WaterfallAnswer, WaterfallAxis,
 };
-use crate::contract::job::orders::{OrdersInput, RecordedTurns, ReferenceName, first_channel, time_windows};
-use crate::contract::{FieldError, Job, Simulation, parse_job};
+use crate::contract::job::orders::{OrdersInput, ReferenceName, time_windows};
+use crate::contract::job::recorded_turns::RecordedTurns;
+use crate::contract::{FieldError, Job, Uploads, parse_job_with};
 use crate::jobs::{JobError, Signal, StoredSeries};
 use crate::plots::draw;
 
@@ -91,7 +94,8 @@ pub struct OrdersQuery {
     /// The channel; by default the first of `outputs.orders`, else the first kept series (`…/channels`).
     #[param(example = "spindle.y.acceleration")]
     channel: Option<String>,
-    /// Tracked orders, separated by commas: numbers, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2*BPFO`).
+    /// Tracked orders, separated by commas: numbers, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2*BPFO`); of one bearing of several
+    /// as `BPFO@A`.
     #[param(example = "1,BPFO,2*BPFO")]
     tracks: Option<String>,
     /// Highest order.
@@ -200,7 +204,7 @@ pub(super) async fn orders_of(
     permit: &RequestPermit,
     query: OrdersQuery,
 ) -> Result<OrdersAnswer, ApiError> {
-    let kept = Kept::of(app, owner, id, query.channel).await?;
+    let kept = Kept::of(app, owner, id, permit, query.channel).await?;
     let settings = OrdersInput {
         channels: None,
         tracks: query.tracks.as_deref().map(names),
@@ -210,8 +214,8 @@ pub(super) async fn orders_of(
         reference: query.reference,
     };
     let signal = kept.signal.clone();
-    let running = kept.started(permit, move |simulation, run| {
-        let request = simulation.orders(settings).map_err(wrong_query)?;
+    let running = kept.started(permit, move |job, run| {
+        let request = job.orders(settings, run).map_err(wrong_query)?;
         RunningOrders::new(signal, request, run).ok_or(ApiError::Internal)
     });
     let running = running.await?;
@@ -228,10 +232,10 @@ pub(super) async fn waterfall_of(
     query: WaterfallQuery,
 ) -> Result<WaterfallAnswer, ApiError> {
     let settings = query.settings();
-    let kept = Kept::of(app, owner, id, query.channel).await?;
+    let kept = Kept::of(app, owner, id, permit, query.channel).await?;
     let signal = kept.signal.clone();
-    let running = kept.started(permit, move |simulation, run| {
-        let request = simulation.orders(settings).map_err(wrong_query)?;
+    let running = kept.started(permit, move |job, run| {
+        let request = job.orders(settings, run).map_err(wrong_query)?;
         let windows = match query.axis {
             Some(WaterfallAxis::Order) => None,
             _ => {
@@ -255,51 +259,57 @@ fn wrong_query(errors: Vec<FieldError>) -> ApiError {
     ApiError::BadRequest(format!("query: {}", errors.iter().map(one).collect::<Vec<_>>().join("; ")))
 }
 
-/// The kept series of a channel, with those of cage and ball.
+/// The kept series of a channel, with those of cage and ball of each bearing.
 struct Kept {
-    request: String,
+    job: Arc<Job>,
+    run: Arc<RecordedTurns>,
     signal: AnalysedSignal,
     series: StoredSeries,
-    cage: Option<StoredSeries>,
-    ball: Option<StoredSeries>,
+    turning: Vec<[Option<StoredSeries>; 2]>,
 }
 
 impl Kept {
-    async fn of(app: &App, owner: &str, id: Uuid, channel: Option<String>) -> Result<Self, ApiError> {
-        let record = app.jobs.get(owner, id).await?;
+    async fn of(
+        app: &App,
+        owner: &str,
+        id: Uuid,
+        permit: &RequestPermit,
+        channel: Option<String>,
+    ) -> Result<Self, ApiError> {
+        let request = app.jobs.get(owner, id).await?.request;
         let kept = app.jobs.channels(owner, id, Signal::Series).await?;
-        let channel =
-            channel.or_else(|| first_channel(&record.request)).or_else(|| kept.first().cloned()).unwrap_or_default();
+        let job = computed(permit, move |_| stored_job(&request)).await??;
+        let first = || job.first_channel().map(str::to_owned).or_else(|| kept.first().cloned());
+        let channel = channel.or_else(first).unwrap_or_default();
         let series = series_of(app, owner, id, &channel).await?;
-        let [cage, ball] = [Channel::CageSpeed, Channel::BallSpin(0)].map(|channel| channel.to_string());
-        let other = async |name: String| match kept.contains(&name) {
-            true => series_of(app, owner, id, &name).await.map(Some),
+        let run = job.recorded_turns(series.time(0)).ok_or(ApiError::Internal)?;
+        let other = async |name: &String| match kept.contains(name) {
+            true => series_of(app, owner, id, name).await.map(Some),
             false => Ok(None),
         };
-        let (cage, ball) = (other(cage).await?, other(ball).await?);
+        let mut turning = Vec::new();
+        for bearing in &run.bearings {
+            let [cage, ball] = bearing.turning_channels();
+            turning.push([other(&cage).await?, other(&ball).await?]);
+        }
         let signal = AnalysedSignal {
             channel: series.channel().to_owned(),
             unit: series.unit().to_owned(),
             start_s: series.time(0),
             step_s: series.time(1) - series.time(0),
-            has_cage: cage.is_some(),
-            has_ball: ball.is_some(),
+            is_simulated: turning.iter().flatten().all(Option::is_some),
         };
-        Ok(Self { request: record.request, signal, series, cage, ball })
+        Ok(Self { job: Arc::new(job), run: Arc::new(run), signal, series, turning })
     }
 
     /// An analysis by the request of the job.
     async fn started<A: Send + 'static>(
         &self,
         permit: &RequestPermit,
-        start: impl FnOnce(&Simulation, &RecordedTurns) -> Result<A, ApiError> + Send + 'static,
+        start: impl FnOnce(&Job, &RecordedTurns) -> Result<A, ApiError> + Send + 'static,
     ) -> Result<A, ApiError> {
-        let request = self.request.clone();
-        computed(permit, move |_| {
-            let simulation = simulation(&request)?;
-            start(&simulation, &simulation.recorded_turns())
-        })
-        .await?
+        let (job, run) = (Arc::clone(&self.job), Arc::clone(&self.run));
+        computed(permit, move |_| start(&job, &run)).await?
     }
 
     /// The analysis after every value of the series. A chunk is read and passed at a time.
@@ -307,7 +317,7 @@ impl Kept {
         &self,
         permit: &RequestPermit,
         mut analysis: A,
-        push: fn(&mut A, Value),
+        push: fn(&mut A, Value<'_>),
     ) -> Result<A, ApiError> {
         let (mut at, length) = (0, self.series.length());
         while at < length {
@@ -317,13 +327,18 @@ impl Kept {
                 Some(series) => series.values(places.clone()).await.map(Some),
                 None => Ok(None),
             };
-            let (cage, ball) = (other(&self.cage).await?, other(&self.ball).await?);
+            let mut turning = Vec::with_capacity(self.turning.len());
+            for [cage, ball] in &self.turning {
+                turning.push([other(cage).await?, other(ball).await?]);
+            }
             at = places.end;
             let passed = computed(permit, move |_| {
-                let of =
-                    |values: &Option<Vec<f64>>, k: usize| values.as_ref().and_then(|values| values.get(k).copied());
+                let mut bearings = vec![SimulatedSpeeds::default(); turning.len()];
                 for (k, signal) in signal.into_iter().enumerate() {
-                    push(&mut analysis, Value { signal, cage: of(&cage, k), ball: of(&ball, k) });
+                    for (now, of) in bearings.iter_mut().zip(&turning) {
+                        [now.cage, now.ball] = of.each_ref().map(|values| values.as_ref()?.get(k).copied());
+                    }
+                    push(&mut analysis, Value { signal, bearings: &bearings });
                 }
                 analysis
             });
@@ -333,13 +348,10 @@ impl Kept {
     }
 }
 
-/// The simulation of a stored request.
-fn simulation(request: &str) -> Result<Simulation, ApiError> {
-    match parse_job(request.as_bytes()) {
-        Ok(Job::Simulation(simulation)) => Ok(simulation),
-        Ok(_) => Err(ApiError::Internal),
-        Err(error) => Err(JobError::Corrupt(error.to_string()).into()),
-    }
+/// The job of a stored request. Series that it names may be gone: the analysis does not need them.
+fn stored_job(request: &str) -> Result<Job, ApiError> {
+    parse_job_with(request.as_bytes(), &Uploads::stand_in())
+        .map_err(|error| JobError::Corrupt(error.to_string()).into())
 }
 
 /// An order analysis in a format.

@@ -72,7 +72,7 @@ pub const OF_SIMULATION: &[&str] = &[
     "orders.svg",
     "waterfall.svg",
 ];
-pub const OF_MACHINE: &[&str] = &["spectrum.svg", "envelope.svg"];
+pub const OF_MACHINE: &[&str] = &["spectrum.svg", "envelope.svg", "orders.svg", "waterfall.svg"];
 pub const OF_ROTOR: &[&str] = &["campbell.svg", "shapes.svg"];
 pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
@@ -91,7 +91,7 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 /// - `impact.svg`: the acceleration of the spindle around its largest peak, if a raceway has a defect. Times at which the centre of a ball
 ///   is over a defect are shaded.
 ///
-/// - `orders.svg`: the mean order spectrum and tracks of orders over the shaft speed, if orders or series were requested.
+/// - `orders.svg`: the mean order spectrum and tracks of orders over the shaft speed, if orders or series were requested; of a machine job, too.
 /// - `waterfall.svg`: spectra over the shaft speed with labelled orders, likewise. `…/orders` and `…/waterfall` take settings.
 ///
 /// At a steady speed these plots show the last 12 ball passages, four turns, or the first three turns of the ball; otherwise the whole
@@ -201,16 +201,22 @@ async fn spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result
     if spectra.is_empty() {
         return Err(ApiError::UnknownChannel { channel: "spindle.y.acceleration".into(), kept: Vec::new() });
     }
-    let request = app.jobs.get(owner, id).await?.request;
-    let has_waterfall = !app.jobs.channels(owner, id, Signal::Series).await?.is_empty();
+    let speed = varying_speed(app, owner, id).await?;
     formatted(move || {
-        let range_rpm = varying_speed_rpm(&read(request.as_bytes())?);
-        let speed = draw::VaryingSpeed { range_rpm, has_waterfall };
         let metrics: Metrics = read(metrics.as_bytes())?;
         let draw = if kind == SpectrumKind::Envelope { draw::envelopes } else { draw::spectra };
         Ok(svg_response(draw(&metrics, &spectra, speed)))
     })
     .await
+}
+
+/// Whether the speed of a job varies, and whether the job has a waterfall.
+async fn varying_speed(app: &App, owner: &str, id: Uuid) -> Result<draw::VaryingSpeed, ApiError> {
+    let request = app.jobs.get(owner, id).await?.request;
+    let has_waterfall = !app.jobs.channels(owner, id, Signal::Series).await?.is_empty();
+    let range_rpm =
+        tokio::task::spawn_blocking(move || read(request.as_bytes()).map(|request| varying_speed_rpm(&request)));
+    Ok(draw::VaryingSpeed { range_rpm: range_rpm.await.map_err(|_| ApiError::Internal)??, has_waterfall })
 }
 
 /// Spectra of a machine job: of its sensors, or without any, of its bearings along Y.
@@ -222,7 +228,8 @@ async fn machine_spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -
     for channel in kept.iter().filter(|channel| draw::is_of_machine(channel, has_sensors)) {
         spectra.push(spectrum_of(app, owner, id, kind, channel).await?);
     }
-    formatted(move || Ok(svg_response(draw::machine_spectra(&read(metrics.as_bytes())?, kind, &spectra)))).await
+    let speed = varying_speed(app, owner, id).await?;
+    formatted(move || Ok(svg_response(draw::machine_spectra(&read(metrics.as_bytes())?, kind, &spectra, speed)))).await
 }
 
 /// A plot of the data that are kept for plots. Some models lack the data of some plots.
@@ -266,10 +273,11 @@ async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Res
 
 /// Refuses plots of a job without series.
 async fn check_series(app: &App, owner: &str, id: Uuid) -> Result<(), ApiError> {
-    match app.jobs.channels(owner, id, Signal::Series).await?.is_empty() {
-        true => Err(ApiError::UnknownPlot { known: &OF_SIMULATION[..7] }),
-        false => Ok(()),
+    if !app.jobs.channels(owner, id, Signal::Series).await?.is_empty() {
+        return Ok(());
     }
+    let is_machine = app.jobs.get(owner, id).await?.kind == JobKind::Machine.name();
+    Err(ApiError::UnknownPlot { known: if is_machine { &OF_MACHINE[..2] } else { &OF_SIMULATION[..7] } })
 }
 
 async fn rotor(app: &App, owner: &str, id: Uuid, draw: fn(&RotorAnswer) -> String) -> Result<Response, ApiError> {

@@ -1,9 +1,10 @@
 //! Results of a succeeded job: metrics, channels, spectra, series, optimum, and error against run time.
 
 use axum::Json;
-use axum::extract::State;
+use axum::extract::{FromRequestParts, State};
 use axum::http::HeaderMap;
 use axum::http::header::{CONTENT_TYPE, RANGE};
+use axum::http::request::Parts;
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -32,15 +33,8 @@ use crate::jobs::{JobError, Signal, StoredSeries};
     params(("id" = Uuid, Path, description = "The job")),
     responses((status = 200, description = "The metrics", body = Metrics), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
-pub async fn metrics(
-    State(app): State<App>,
-    Owner(owner): Owner,
-    headers: HeaderMap,
-    JobId(id): JobId,
-    _: Query<NoQuery>,
-) -> Result<Response, ApiError> {
-    negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id, JobKind::Simulation).await?).into_response())
+pub async fn metrics(wanted: StoredResult) -> Result<Response, ApiError> {
+    wanted.metrics(JobKind::Simulation).await
 }
 
 /// List the channels
@@ -147,15 +141,8 @@ pub async fn series(
     params(("id" = Uuid, Path, description = "The job, of kind `accuracy`")),
     responses((status = 200, description = "Error against run time", body = WorkPrecisionAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
-pub async fn accuracy(
-    State(app): State<App>,
-    Owner(owner): Owner,
-    headers: HeaderMap,
-    JobId(id): JobId,
-    _: Query<NoQuery>,
-) -> Result<Response, ApiError> {
-    negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.report(&owner, id, JobKind::Accuracy).await?).into_response())
+pub async fn accuracy(wanted: StoredResult) -> Result<Response, ApiError> {
+    wanted.report(JobKind::Accuracy).await
 }
 
 /// Get the optimum
@@ -166,15 +153,8 @@ pub async fn accuracy(
     params(("id" = Uuid, Path, description = "The job, of kind `optimum`")),
     responses((status = 200, description = "The optimum", body = OptimumAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
-pub async fn optimum(
-    State(app): State<App>,
-    Owner(owner): Owner,
-    headers: HeaderMap,
-    JobId(id): JobId,
-    _: Query<NoQuery>,
-) -> Result<Response, ApiError> {
-    negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.report(&owner, id, JobKind::Optimum).await?).into_response())
+pub async fn optimum(wanted: StoredResult) -> Result<Response, ApiError> {
+    wanted.report(JobKind::Optimum).await
 }
 
 /// Get the result of a machine job
@@ -186,15 +166,8 @@ pub async fn optimum(
     params(("id" = Uuid, Path, description = "The job, of kind `machine`")),
     responses((status = 200, description = "The result", body = MachineAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
-pub async fn machine(
-    State(app): State<App>,
-    Owner(owner): Owner,
-    headers: HeaderMap,
-    JobId(id): JobId,
-    _: Query<NoQuery>,
-) -> Result<Response, ApiError> {
-    negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.metrics(&owner, id, JobKind::Machine).await?).into_response())
+pub async fn machine(wanted: StoredResult) -> Result<Response, ApiError> {
+    wanted.metrics(JobKind::Machine).await
 }
 
 #[derive(Debug, Deserialize, IntoParams)]
@@ -267,6 +240,39 @@ impl SeriesQuery {
             (_, _, Some(0)) => refuse("max_points: 0: must be at least 1"),
             _ => Ok(query),
         }
+    }
+}
+
+/// A request for the stored result of a job, as JSON.
+pub struct StoredResult {
+    app: App,
+    owner: String,
+    id: Uuid,
+}
+
+impl FromRequestParts<App> for StoredResult {
+    type Rejection = ApiError;
+
+    async fn from_request_parts(parts: &mut Parts, app: &App) -> Result<Self, ApiError> {
+        let Ok(Owner(owner)) = Owner::from_request_parts(parts, app).await;
+        let JobId(id) = JobId::from_request_parts(parts, app).await?;
+        Query::<NoQuery>::from_request_parts(parts, app).await?;
+        negotiated(&parts.headers, &[JSON])?;
+        Ok(Self { app: app.clone(), owner, id })
+    }
+}
+
+impl StoredResult {
+    /// The result of a job of a kind that keeps signals beside it.
+    async fn metrics(self, kind: JobKind) -> Result<Response, ApiError> {
+        let text = self.app.jobs.metrics(&self.owner, self.id, kind).await?;
+        Ok(([(CONTENT_TYPE, JSON)], text).into_response())
+    }
+
+    /// The result of a job of another kind.
+    pub async fn report(self, kind: JobKind) -> Result<Response, ApiError> {
+        let text = self.app.jobs.report(&self.owner, self.id, kind).await?;
+        Ok(([(CONTENT_TYPE, JSON)], text).into_response())
     }
 }
 

@@ -15,6 +15,7 @@ use super::credentials::Owner;
 use super::error::ApiError;
 use super::openapi::{self, Anywhere, BadBody, BadQuery, NoJob, NoResult, NotAccepted, Unchanged};
 use super::request::{JobId, JsonBody, NoQuery, Query, negotiated};
+use super::results::StoredResult;
 use super::stored_answer::{JSON, formatted, read};
 use crate::contract::answer::ross::{RossVersion, script};
 use crate::contract::job::rotor::RotorInput;
@@ -48,13 +49,16 @@ pub(super) const PYTHON: &str = "text/x-python";
     responses((status = 200, description = "The analysis", body = RotorAnswer), BadBody, NotAccepted, Anywhere)
 )]
 pub async fn analyse(
+    State(app): State<App>,
+    Owner(owner): Owner,
     headers: HeaderMap,
     permit: RequestPermit,
     _: Query<NoQuery>,
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    let analysed = computed(&permit, move |stop| match contract::parse_rotor_request(&body)? {
+    let uploads = app.jobs.named_series(&owner, &body).await?;
+    let analysed = computed(&permit, move |stop| match contract::parse_rotor_request(&body, &uploads)? {
         Job::Rotor(rotor) => contract::execute_rotor(&rotor, stop).map_err(refused),
         _ => Err(ApiError::Internal),
     });
@@ -76,15 +80,8 @@ fn refused(failure: RunFailure) -> ApiError {
     params(("id" = Uuid, Path, description = "The job, of kind `rotor`")),
     responses((status = 200, description = "The analysis", body = RotorAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
-pub async fn result(
-    State(app): State<App>,
-    Owner(owner): Owner,
-    headers: HeaderMap,
-    JobId(id): JobId,
-    _: Query<NoQuery>,
-) -> Result<Response, ApiError> {
-    negotiated(&headers, &[JSON])?;
-    Ok(([(CONTENT_TYPE, JSON)], app.jobs.report(&owner, id, JobKind::Rotor).await?).into_response())
+pub async fn result(wanted: StoredResult) -> Result<Response, ApiError> {
+    wanted.report(JobKind::Rotor).await
 }
 
 #[derive(Debug, Deserialize, IntoParams)]

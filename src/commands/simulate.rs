@@ -9,6 +9,7 @@ use super::{accuracy, optimum};
 use crate::config::SimulateOptions;
 use crate::contract::answer::csv;
 use crate::contract::answer::orders::of_series;
+use crate::contract::job::simulation::varying_speed_rpm;
 use crate::contract::{
     self, Job, JobKind, MachineOutcome, Outcome, RotorAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
 };
@@ -47,7 +48,7 @@ fn finish(job: &Job, outcome: &Outcome, output: Option<&OutputDirectory>) -> Exi
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
         Outcome::Optimum(answer) => optimum::write(answer, directory),
         Outcome::Rotor(answer) => write_rotor(answer, directory),
-        Outcome::Machine(outcome) => write_machine(outcome, directory),
+        Outcome::Machine(outcome) => write_machine(job, outcome, directory),
     });
     match written {
         Some(Err(error)) => failed(&error),
@@ -65,14 +66,21 @@ fn write_rotor(answer: &RotorAnswer, directory: &OutputDirectory) -> Result<(), 
 fn write(job: &Job, outcome: &Simulated, directory: &OutputDirectory) -> Result<(), String> {
     directory.write("metrics.json", &json(&outcome.metrics))?;
     write_spectra(&outcome.spectra, directory)?;
-    for series in outcome.series.iter().map(SeriesAnswer::of) {
-        directory.write(&format!("series.{}.json", series.channel), &json(&series))?;
-        directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(&series))?;
+    let series: Vec<SeriesAnswer> = outcome.series.iter().map(SeriesAnswer::of).collect();
+    let has_waterfall = write_series(job, &series, directory)?;
+    for (name, picture) in draw::pictures(outcome, has_waterfall) {
+        directory.write(name, &picture)?;
     }
-    let orders = match job {
-        Job::Simulation(simulation) => of_series(simulation, &outcome.series),
-        _ => None,
-    };
+    Ok(())
+}
+
+/// Writes the series of a job with its orders and its waterfall; true where it has these.
+fn write_series(job: &Job, series: &[SeriesAnswer], directory: &OutputDirectory) -> Result<bool, String> {
+    for series in series {
+        directory.write(&format!("series.{}.json", series.channel), &json(series))?;
+        directory.write(&format!("series.{}.csv", series.channel), &csv::series_csv(series))?;
+    }
+    let orders = of_series(job, series);
     if let Some((orders, waterfall)) = &orders {
         directory.write("orders.json", &json(orders))?;
         directory.write("orders.csv", &orders.csv())?;
@@ -81,18 +89,18 @@ fn write(job: &Job, outcome: &Simulated, directory: &OutputDirectory) -> Result<
         directory.write("waterfall.csv", &waterfall.csv())?;
         directory.write("waterfall.svg", &draw::waterfall(waterfall, draw::WATERFALL_RANGE_DB))?;
     }
-    for (name, picture) in draw::pictures(outcome, orders.is_some()) {
-        directory.write(name, &picture)?;
-    }
-    Ok(())
+    Ok(orders.is_some())
 }
 
 /// Writes all results of a machine job as files.
-fn write_machine(outcome: &MachineOutcome, directory: &OutputDirectory) -> Result<(), String> {
+fn write_machine(job: &Job, outcome: &MachineOutcome, directory: &OutputDirectory) -> Result<(), String> {
     directory.write("machine.json", &json(&outcome.answer))?;
     write_spectra(&outcome.spectra, directory)?;
+    let series = outcome.series.iter().map(|series| SeriesAnswer::new(&series.head, series.values.clone()));
+    let has_waterfall = write_series(job, &series.collect::<Vec<_>>(), directory)?;
+    let speed = draw::VaryingSpeed { range_rpm: varying_speed_rpm(&job.submission().request), has_waterfall };
     for (name, kind) in [("spectrum.svg", SpectrumKind::Amplitude), ("envelope.svg", SpectrumKind::Envelope)] {
-        directory.write(name, &draw::machine_spectra(&outcome.answer, kind, &outcome.spectra))?;
+        directory.write(name, &draw::machine_spectra(&outcome.answer, kind, &outcome.spectra, speed))?;
     }
     Ok(())
 }

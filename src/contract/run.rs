@@ -85,9 +85,12 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
         Job::Machine(machine) => {
             let outcome = MachineOutcome::of(machine, control)?;
             check_finite("machine", &outcome.answer)?;
-            match outcome.spectra.iter().find(|spectrum| !spectrum.is_finite()) {
-                None => Ok(Outcome::Machine(Box::new(outcome))),
-                Some(spectrum) => Err(blowup(&format!("the spectrum of {}", spectrum.channel))),
+            let spectrum = outcome.spectra.iter().find(|spectrum| !spectrum.is_finite());
+            let series = outcome.series.iter().find(|series| !series.is_finite);
+            match (spectrum, series) {
+                (None, None) => Ok(Outcome::Machine(Box::new(outcome))),
+                (Some(spectrum), _) => Err(blowup(&format!("the spectrum of {}", spectrum.channel))),
+                (None, Some(series)) => Err(blowup(&format!("the series of {}", series.head.channel))),
             }
         }
     }

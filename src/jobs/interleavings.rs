@@ -32,7 +32,7 @@ use super::store::test_database::new_on_postgres;
 use super::store::turns::{Turn, TurnLimits};
 use super::sweep;
 use super::worker::{RunOutcome, Worker, apply_heartbeat, outcome_of};
-use crate::contract::{self, RunFailure};
+use crate::contract::{self, JobKind, RunFailure};
 
 const OWNER: &str = "";
 const REQUEST: &str =
@@ -667,7 +667,8 @@ impl World {
         let run = here.run.as_ref().expect("a run");
         let result = || {
             let chunks = RecordedChunks::none();
-            StoredResult::Simulation {
+            StoredResult::Run {
+                kind: JobKind::Simulation,
                 metrics: Sealed::new(&Place::of_result(chunks.result, "metrics"), "{}".into()),
                 signals: Vec::new(),
                 chunks,

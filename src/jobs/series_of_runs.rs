@@ -21,7 +21,7 @@ use super::store::series_reader::StoredHead;
 use super::store::statement::statement;
 use super::store::test_database::new_on_postgres;
 use super::store::turns::{Turn, TurnLimits};
-use crate::contract::{self, RunFailure, SeriesHead};
+use crate::contract::{self, JobKind, RunFailure, SeriesHead};
 
 const JOB: &str =
     r#"{"kind": "simulation", "scene": {"bearing": "608", "operation": {"speed_rpm": 3000}}, "reuse": false}"#;
@@ -98,7 +98,8 @@ impl World {
 
     async fn finish(&self, claim: &Claim, chunks: RecordedChunks) -> Result<Option<Uuid>, JobError> {
         let head = SeriesHead { channel: CHANNEL.into(), unit: "Hz".into(), start_s: 0.0, step_s: 1.0, length: VALUES };
-        let result = StoredResult::Simulation {
+        let result = StoredResult::Run {
+            kind: JobKind::Simulation,
             metrics: Sealed::new(&Place::of_result(chunks.result, "metrics"), "{}".into()),
             signals: vec![series_signal(chunks.result, &StoredHead::new(head, 0))?],
             chunks,

@@ -70,10 +70,8 @@ fn labelled_spectra(
         lines,
     });
     let curves = curves.collect::<Vec<_>>();
-    if let Some([from, to]) = speed.range_rpm {
-        // No single frequency is that of the shaft.
-        let subtitle = format!("shaft speed from {from:.0} to {to:.0} r/min: lines that follow it are smeared");
-        return spectrum_svg(title, &subtitle, &curves, speed.has_waterfall.then_some("waterfall.svg"));
+    if let Some(range) = speed.range_rpm {
+        return smeared_svg(title, &curves, range, speed.has_waterfall);
     }
     let frequencies = &metrics.frequencies_hz;
     let subtitle = format!(
@@ -87,13 +85,24 @@ fn labelled_spectra(
     spectrum_svg(title, &subtitle, &curves, None)
 }
 
+/// Spectra of a run whose shaft has no single frequency.
+fn smeared_svg(title: &str, curves: &[SpectrumCurve<'_>], [from, to]: [f64; 2], has_waterfall: bool) -> String {
+    let subtitle = format!("shaft speed from {from:.0} to {to:.0} r/min: lines that follow it are smeared");
+    spectrum_svg(title, &subtitle, curves, has_waterfall.then_some("waterfall.svg"))
+}
+
 /// Whether the plots of a machine job show a channel: those of its sensors, or without any, of the bearings' inner rings along Y.
 pub fn is_of_machine(channel: &str, has_sensors: bool) -> bool {
     if has_sensors { channel.starts_with("sensor.") } else { channel.ends_with(".y.acceleration") }
 }
 
 /// The spectra of a machine job, with their labelled lines.
-pub fn machine_spectra(answer: &MachineAnswer, kind: SpectrumKind, spectra: &[SpectrumAnswer]) -> String {
+pub fn machine_spectra(
+    answer: &MachineAnswer,
+    kind: SpectrumKind,
+    spectra: &[SpectrumAnswer],
+    speed: VaryingSpeed,
+) -> String {
     let (title, lines) = match kind {
         SpectrumKind::Amplitude => ("Vibration spectrum", &answer.lines),
         SpectrumKind::Envelope => ("Envelope spectrum", &answer.envelope_lines),
@@ -116,6 +125,9 @@ pub fn machine_spectra(answer: &MachineAnswer, kind: SpectrumKind, spectra: &[Sp
             lines,
         })
         .collect();
+    if let Some(range) = speed.range_rpm {
+        return smeared_svg(title, &curves, range, speed.has_waterfall);
+    }
     let of_bearings = answer.bearings.iter().map(|(name, bearing)| {
         let [outer, inner] = [bearing.ball_pass_outer_hz, bearing.ball_pass_inner_hz];
         format!("{name}: BPFO {outer:.1} Hz, BPFI {inner:.1} Hz")

@@ -7,13 +7,14 @@ use raceway_core::machine::input::{Machine, MachineError};
 use raceway_core::machine::result::{BearingMetrics, MachineResult, SignalMetrics, SignalSpectra};
 use raceway_core::machine::run::simulate;
 use raceway_core::simulation::input::control::Control;
+use raceway_core::simulation::recording::sampling::RATE;
 use raceway_core::simulation::result::lines::Line;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::failure::{DID_NOT_CONVERGE, RunFailure, SPINDLE_LEFT_BEARING};
 use super::metrics::{BandAnswer, LineAnswer};
-use super::signals::{SpectrumAnswer, SpectrumKind};
+use super::signals::{SeriesHead, SpectrumAnswer, SpectrumKind};
 use crate::contract::job::machine::MachineJob;
 use crate::contract::json::units::US;
 
@@ -146,6 +147,17 @@ pub struct MachineOutcome {
     pub answer: MachineAnswer,
     /// Amplitude and envelope spectrum of each acceleration.
     pub spectra: Vec<SpectrumAnswer>,
+    /// The kept series, in the order of the request.
+    pub series: Vec<MachineSeries>,
+}
+
+/// A kept series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineSeries {
+    pub head: SeriesHead,
+    /// Empty if a receiver has taken them.
+    pub values: Vec<f64>,
+    pub is_finite: bool,
 }
 
 impl MachineOutcome {
@@ -153,7 +165,8 @@ impl MachineOutcome {
     pub fn of(job: &MachineJob, control: &Control<'_>) -> Result<Self, RunFailure> {
         let result = simulate(&job.machine, &job.settings, control)?;
         let spectra = spectra(&job.machine, &result);
-        Ok(Self { answer: answer(&job.machine, &result), spectra })
+        let (answer, series) = (answer(&job.machine, &result), series(&job.machine, result, control));
+        Ok(Self { answer, spectra, series })
     }
 }
 
@@ -261,4 +274,26 @@ fn spectra(machine: &Machine, result: &MachineResult) -> Vec<SpectrumAnswer> {
         )
     };
     result.spectra.iter().flat_map(of).collect()
+}
+
+/// The kept series. A receiver of `control` takes their values.
+fn series(machine: &Machine, result: MachineResult, control: &Control<'_>) -> Vec<MachineSeries> {
+    let start = result.settle;
+    let sink = control.series.filter(|_| !result.series.is_empty()).map(|sink| (sink, sink.begin()));
+    let kept = |(number, (channel, mut values)): (usize, (MachineChannel, Vec<f64>))| {
+        let head = SeriesHead {
+            channel: channel.named(machine).to_string(),
+            unit: channel.unit().to_owned(),
+            start_s: start,
+            step_s: RATE.recip(),
+            length: values.len(),
+        };
+        let is_finite = values.iter().all(|value| value.is_finite());
+        if let Some((sink, recording)) = sink {
+            sink.write(recording, number, &values);
+            values = Vec::new();
+        }
+        MachineSeries { head, values, is_finite }
+    };
+    result.series.into_iter().enumerate().map(kept).collect()
 }

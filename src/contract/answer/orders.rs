@@ -2,18 +2,18 @@
 
 use raceway_core::orders::analysis::{OrderAnalysis, Orders, Value};
 use raceway_core::orders::blocks::Middle;
-use raceway_core::orders::rotations::{Combination, RotationCourse, Rotations};
+use raceway_core::orders::rotations::{Combination, RotationCourse, SimulatedSpeeds};
 use raceway_core::orders::settings::OrderSettings;
 use raceway_core::orders::waterfall::{OrderRows, Row, TimeRows, TimeWindows, smear_bins};
-use raceway_core::simulation::input::channel::Channel;
-use raceway_core::simulation::result::series::Series;
+use raceway_core::simulation::recording::sampling::RATE;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::csv::{npy_table, quoted};
-use super::signals::SpectrumAnswer;
-use crate::contract::job::orders::{OrderRequest, OrdersInput, RecordedTurns, ReferenceName, time_windows};
-use crate::contract::job::simulation::Simulation;
+use super::signals::{SeriesAnswer, SpectrumAnswer};
+use crate::contract::job::checked::Job;
+use crate::contract::job::orders::{OrderRequest, OrdersInput, ReferenceName, time_windows};
+use crate::contract::job::recorded_turns::RecordedTurns;
 use crate::contract::json::numbers::rounded;
 
 /// Speed of 1 Hz in r/min.
@@ -30,23 +30,22 @@ pub struct AnalysedSignal {
     pub start_s: f64,
     /// Time between values [s].
     pub step_s: f64,
-    /// Whether the simulated speeds of cage and ball are known.
-    pub has_cage: bool,
-    pub has_ball: bool,
+    /// Whether the simulated speeds of cage and ball of every bearing are known.
+    pub is_simulated: bool,
 }
 
 impl AnalysedSignal {
     /// Turns at each value; `None` where the shaft reverses.
     fn course(&self, run: &RecordedTurns) -> Option<RotationCourse> {
-        Some(RotationCourse::new(run.angle.clone()?, run.ratios, self.start_s, self.step_s))
+        Some(RotationCourse::new(run.angle.clone()?, run.ratios(), self.start_s, self.step_s))
     }
 
     fn follows(&self) -> NamesFollow {
-        if self.has_cage && self.has_ball { NamesFollow::Simulated } else { NamesFollow::IdealRolling }
+        if self.is_simulated { NamesFollow::Simulated } else { NamesFollow::IdealRolling }
     }
 }
 
-/// Speeds that the names of orders follow. `simulated`: those of the simulated cage and ball 1. `ideal_rolling`: those of balls that roll, because
+/// Speeds that the names of orders follow. `simulated`: those of the simulated cage and ball 1 of each bearing. `ideal_rolling`: those of balls that roll, because
 /// the run kept no others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -189,7 +188,7 @@ impl RunningOrders {
         Some(Self { signal, request, analysis })
     }
 
-    pub fn push(&mut self, value: Value) {
+    pub fn push(&mut self, value: Value<'_>) {
         self.analysis.push(value);
     }
 
@@ -243,7 +242,6 @@ pub struct RunningWaterfall {
     request: OrderRequest,
     course: RotationCourse,
     rows: Rows,
-    last: Rotations,
     middles: Vec<Middle>,
     amplitude: Vec<f32>,
     /// Bins of a row, and their distance.
@@ -277,11 +275,10 @@ impl RunningWaterfall {
         };
         Some(Self {
             course: signal.course(run)?,
-            smear: (run.ratios.ball_pass_inner, run.angle.as_ref()?.steepest()),
+            smear: (run.ball_pass_inner(), run.angle.as_ref()?.steepest()),
             signal,
             request,
             rows,
-            last: Rotations::default(),
             middles: Vec::new(),
             amplitude: Vec::new(),
             columns,
@@ -289,23 +286,23 @@ impl RunningWaterfall {
         })
     }
 
-    pub fn push(&mut self, value: Value) {
-        let at = self.course.next(value.cage, value.ball);
+    pub fn push(&mut self, value: Value<'_>) {
+        let step = self.course.step();
+        let at = self.course.next(value.bearings);
         let (middles, amplitude) = (&mut self.middles, &mut self.amplitude);
         match &mut self.rows {
-            Rows::Hz(rows, _) => rows.push(&at, value.signal).into_iter().for_each(|row| keep(row, middles, amplitude)),
+            Rows::Hz(rows, _) => rows.push(at, value.signal).into_iter().for_each(|row| keep(row, middles, amplitude)),
             Rows::Order(rows, _) => {
-                rows.push(&at, self.course.step(), value.signal, |row| keep(row, middles, amplitude));
+                rows.push(at, step, value.signal, |row| keep(row, middles, amplitude));
             }
         }
-        self.last = at;
     }
 
     pub fn finish(mut self) -> WaterfallAnswer {
-        let last = self.last;
+        let last = self.course.last();
         let of = |track: &Combination| match self.rows {
-            Rows::Hz(..) => track.turns(&last) / last.shaft.turns,
-            Rows::Order(..) => track.turns(&last) / last.of(self.request.settings.reference).turns,
+            Rows::Hz(..) => track.turns(last) / last.shaft.turns,
+            Rows::Order(..) => track.turns(last) / last.of(self.request.settings.reference).turns,
         };
         let line = |(name, track): &(String, Combination)| OrderLineAnswer {
             name: name.clone(),
@@ -343,27 +340,29 @@ impl RunningWaterfall {
 }
 
 /// Orders and waterfall of the first analysed channel of a finished run; `None` where they were not requested.
-pub fn of_series(simulation: &Simulation, series: &[Series]) -> Option<(OrdersAnswer, WaterfallAnswer)> {
-    let channel = simulation.outputs.orders.as_ref()?.channels.as_ref()?.first()?;
-    let of = |name: &str| series.iter().find(|series| series.channel.to_string() == name);
-    let [cage, ball] = [Channel::CageSpeed, Channel::BallSpin(0)].map(|channel| of(&channel.to_string()));
-    let analysed = of(channel)?;
+pub fn of_series(job: &Job, series: &[SeriesAnswer]) -> Option<(OrdersAnswer, WaterfallAnswer)> {
+    let of = |name: &str| series.iter().find(|series| series.channel == name);
+    let analysed = of(job.first_channel()?)?;
+    let run = job.recorded_turns(*analysed.time_s.first()?)?;
+    let turning: Vec<[Option<&SeriesAnswer>; 2]> =
+        run.bearings.iter().map(|bearing| bearing.turning_channels().map(|name| of(&name))).collect();
     let signal = AnalysedSignal {
-        channel: channel.clone(),
-        unit: analysed.channel.unit().to_owned(),
-        start_s: analysed.start,
-        step_s: analysed.step,
-        has_cage: cage.is_some(),
-        has_ball: ball.is_some(),
+        channel: analysed.channel.clone(),
+        unit: analysed.unit.clone(),
+        start_s: analysed.time_s[0],
+        step_s: RATE.recip(),
+        is_simulated: turning.iter().flatten().all(Option::is_some),
     };
-    let run = simulation.recorded_turns();
-    let request = simulation.orders(OrdersInput::default()).ok()?;
+    let request = job.orders(OrdersInput::default(), &run).ok()?;
     let windows = time_windows(&run, &request.settings, None, None).ok()?;
     let mut orders = RunningOrders::new(signal.clone(), request.clone(), &run)?;
     let mut waterfall = RunningWaterfall::new(signal, request, Some(windows), &run)?;
-    let at = |series: Option<&Series>, k: usize| series.and_then(|series| series.values.get(k).copied());
-    for (k, signal) in analysed.values.iter().enumerate() {
-        let value = Value { signal: *signal, cage: at(cage, k), ball: at(ball, k) };
+    let mut bearings = vec![SimulatedSpeeds::default(); turning.len()];
+    for (k, signal) in analysed.value.iter().enumerate() {
+        for (now, of) in bearings.iter_mut().zip(&turning) {
+            [now.cage, now.ball] = of.map(|series| series.and_then(|series| series.value.get(k).copied()));
+        }
+        let value = Value { signal: *signal, bearings: &bearings };
         orders.push(value);
         waterfall.push(value);
     }
@@ -492,19 +491,15 @@ mod tests {
             unit: "m/s²".into(),
             start_s: 0.0,
             step_s: 1.0 / 102_400.0,
-            has_cage: true,
-            has_ball: true,
+            is_simulated: true,
         };
         let mut running = RunningOrders::new(signal.clone(), request, &run).unwrap();
         let mut cage_turns = 0.0;
         for i in 0..102_400 {
             let time = f64::from(i) / 102_400.0;
             let cage = 0.39 * (20.0 + 60.0 * time) * (1.0 - 0.02 * time);
-            running.push(Value {
-                signal: (9.0 * std::f64::consts::TAU * cage_turns).sin(),
-                cage: Some(cage),
-                ball: Some(-2.3 * (20.0 + 60.0 * time)),
-            });
+            let simulated = SimulatedSpeeds { cage: Some(cage), ball: Some(-2.3 * (20.0 + 60.0 * time)) };
+            running.push(Value { signal: (9.0 * std::f64::consts::TAU * cage_turns).sin(), bearings: &[simulated] });
             cage_turns += cage / 102_400.0;
         }
         let answer = running.finish();

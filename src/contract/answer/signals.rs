@@ -146,12 +146,12 @@ pub struct SeriesAnswer {
 
 impl SeriesAnswer {
     pub fn of(series: &Series) -> Self {
-        Self {
-            channel: series.channel.to_string(),
-            unit: series.channel.unit().to_owned(),
-            time_s: (0..series.values.len()).map(|index| series.start + index as f64 * series.step).collect(),
-            value: series.values.clone(),
-        }
+        Self::new(&SeriesHead::of(series), series.values.clone())
+    }
+
+    pub fn new(head: &SeriesHead, value: Vec<f64>) -> Self {
+        let time_s = (0..value.len()).map(|index| head.time(index)).collect();
+        Self { channel: head.channel.clone(), unit: head.unit.clone(), time_s, value }
     }
 }
 

@@ -6,11 +6,15 @@ use serde_json::Value;
 use super::comparison::Comparison;
 use super::kind::JobKind;
 use super::machine::MachineJob;
+use super::orders::{OrderRequest, OrdersInput};
+use super::recorded_turns::RecordedTurns;
 use super::rotor::RotorJob;
 use super::search::Search;
-use super::simulation::{Simulation, Submission};
+use super::simulation::Simulation;
 use super::study::Study;
-use crate::contract::json::problem::Refusal;
+use super::submission::Submission;
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::uploads::Uploads;
 
 /// A checked job.
@@ -32,8 +36,8 @@ impl Job {
             JobKind::Study => Study::of(request, uploads).map(Self::Study),
             JobKind::Optimum => Search::of(request, uploads).map(Self::Optimum),
             JobKind::Accuracy => Comparison::of(request, uploads).map(Self::Accuracy),
-            JobKind::Rotor => RotorJob::of(request).map(|job| Self::Rotor(Box::new(job))),
-            JobKind::Machine => MachineJob::of(request).map(|job| Self::Machine(Box::new(job))),
+            JobKind::Rotor => RotorJob::of(request, uploads).map(|job| Self::Rotor(Box::new(job))),
+            JobKind::Machine => MachineJob::of(request, uploads).map(|job| Self::Machine(Box::new(job))),
         }
     }
 
@@ -111,6 +115,34 @@ impl Job {
             Self::Optimum(search) => Some(search.most_runs()),
             Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
+    }
+
+    /// Recorded turns, where the first value lies at a time [s]; `None` for kinds without series.
+    pub fn recorded_turns(&self, start: f64) -> Option<RecordedTurns> {
+        match self {
+            Self::Simulation(run) => Some(RecordedTurns::of(run.scene(), run.settings.settle, run.settings.duration)),
+            Self::Machine(run) => Some(RecordedTurns::of_machine(&run.machine, start, run.settings.duration)),
+            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
+        }
+    }
+
+    /// An order analysis by the given settings, and by those of the request for the others. The pointers of errors are those of a request.
+    pub fn orders(&self, given: OrdersInput, run: &RecordedTurns) -> Result<OrderRequest, Vec<FieldError>> {
+        let requested = self.submission().request.pointer("/outputs/orders").cloned();
+        let requested = requested.and_then(|orders| serde_json::from_value(orders).ok()).unwrap_or_default();
+        let mut defaults = Defaults::default();
+        let orders = given.or(requested).resolve(run, &mut defaults);
+        orders.ok_or(defaults.errors)
+    }
+
+    /// The channel whose orders are analysed where none is named; `None` where no orders were requested.
+    pub fn first_channel(&self) -> Option<&str> {
+        let orders = match self {
+            Self::Simulation(simulation) => simulation.outputs.orders.as_ref(),
+            Self::Machine(machine) => machine.input.outputs.as_ref().and_then(|outputs| outputs.orders.as_ref()),
+            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
+        };
+        orders?.channels.as_ref()?.first().map(String::as_str)
     }
 
     /// Everything that determines the result, as text: equal for equal work, whichever fields were left to their default.

@@ -7,6 +7,7 @@ use super::axis::{AxisInput, StrictAxis};
 use super::kind::JobKindName;
 use super::outputs::OutputsInput;
 use super::solver::{MethodName, SolverInput};
+use super::submission::ServiceFields;
 use crate::contract::json::limits::MAX_REPETITIONS;
 use crate::contract::json::shapes::{object, optional_object, whole_number};
 use crate::contract::scene::scene_input::SceneInput;
@@ -79,4 +80,12 @@ pub struct JobInput {
 pub enum GoalName {
     Minimum,
     Maximum,
+}
+
+impl JobInput {
+    /// Fields that concern only the service.
+    pub fn service(&mut self) -> ServiceFields<'_> {
+        let Self { labels, priority, reuse, keep_for_s, .. } = self;
+        ServiceFields { labels, priority, reuse: *reuse, keep_for_s: *keep_for_s }
+    }
 }

@@ -1,29 +1,37 @@
 //! A machine job: a shaft on ball bearings in time.
 
 use raceway_core::machine::channel::MachineChannel;
-use raceway_core::machine::input::{Machine, MachineBearing, MachineSettings, RANGE};
-use raceway_core::physics::operation::SpeedProfile;
+use raceway_core::machine::input::{Machine, MachineBearing};
+use raceway_core::machine::settings::{MachineSettings, RANGE};
+use raceway_core::rotor::input::Rotor;
+use raceway_core::simulation::input::channel::{Axis, Motion};
 use raceway_core::simulation::recording::sampling::RATE;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::kind::JobKind;
-use super::simulation::{Submission, check_labels};
+use super::orders::OrdersInput;
+use super::outputs::MAX_CHANNELS;
+use super::recorded_turns::{RecordedBearing, RecordedTurns};
+use super::shaft_draft::{ShaftDraft, ShaftRequest};
+use super::submission::{ServiceFields, Submission};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::given_fields::given_fields;
-use crate::contract::json::numbers::short;
-use crate::contract::json::problem::{FieldError, Refusal};
-use crate::contract::json::shapes::{object, whole_number};
-use crate::contract::json::typed::typed_with_errors;
+use crate::contract::json::numbers::{short, significant};
+use crate::contract::json::problem::Refusal;
+use crate::contract::json::shapes::{object, optional_object, whole_number};
 use crate::contract::json::units::{DEG, US};
-use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput, refuse_unsupported};
+use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput};
 use crate::contract::scene::scene_input::ResolvedScene;
 
 /// Recorded time by default [s].
 const DURATION_S: f64 = 0.2;
 /// Angle between the first balls of one bearing and the next [°]: the golden angle, so that no ball passages coincide.
 const NEXT_AZIMUTH_DEG: f64 = 137.5;
+/// Longest default recorded time of a speed profile [s].
+const MAX_RUN_UP_S: f64 = 10.0;
 /// Most values of all channels: they take 256 MB.
 const MAX_VALUES: f64 = 3.2e7;
 
@@ -39,11 +47,11 @@ pub struct MachineInput {
     /// The shaft on its bearings. A `rotor` job takes the same scene.
     #[serde(deserialize_with = "object")]
     pub scene: RotorSceneInput,
-    /// Recorded time, after settling [s]. Default 0.2.
+    /// Recorded time, after settling [s]. Default 0.2, or up to the last point of a speed profile, at most 10.
     #[schema(nullable = false, example = 0.2)]
     pub duration_s: Option<f64>,
-    /// Time simulated before recording begins [s]. Default: until the slowest motion of shaft and bearings has decayed to a fiftieth, and
-    /// at least three turns of the cages; at most 5.
+    /// Time simulated before recording begins [s]; times of a speed profile and of loads count from its start. Default: until the slowest motion
+    /// of shaft and bearings has decayed to a fiftieth, and at least three turns of the cages, at most 5; up to the first point of a speed profile.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 0.1)]
     pub settle_s: Option<f64>,
@@ -54,6 +62,10 @@ pub struct MachineInput {
     /// Highest frequency of the kept modes of the shaft over 20 kHz, the band of the levels [-]. Default 1.5.
     #[schema(nullable = false, example = 1.5)]
     pub mode_range: Option<f64>,
+    /// Kept time series, and order analysis. Metrics and spectra of every channel are always kept.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub outputs: Option<MachineOutputsInput>,
     /// Labels to find the job by: at most 16, each at most 200 characters.
     #[schema(nullable = false, max_items = 16, example = json!(["line 3"]))]
     pub labels: Option<Vec<String>>,
@@ -67,6 +79,30 @@ pub struct MachineInput {
     /// Time that the job and its result are kept after its end [s]. Default: set by the service.
     #[schema(nullable = false)]
     pub keep_for_s: Option<f64>,
+}
+
+impl ShaftRequest for MachineInput {
+    fn scene(&mut self) -> &mut RotorSceneInput {
+        &mut self.scene
+    }
+
+    fn service(&mut self) -> ServiceFields<'_> {
+        let Self { labels, priority, reuse, keep_for_s, .. } = self;
+        ServiceFields { labels, priority, reuse: *reuse, keep_for_s: *keep_for_s }
+    }
+}
+
+/// Requested results of a machine job beside its metrics and spectra.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MachineOutputsInput {
+    /// Channels whose complete time series are kept. Default: none.
+    #[schema(nullable = false, max_items = 64, example = json!(["A.y.acceleration"]))]
+    pub series: Option<Vec<String>>,
+    /// Order spectra, order tracks and waterfalls, for a run whose speed varies. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub orders: Option<OrdersInput>,
 }
 
 /// A checked machine job.
@@ -88,45 +124,17 @@ impl PartialEq for MachineJob {
 
 impl MachineJob {
     /// The job of a request of this kind.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
-        let mut defaults = Defaults::default();
-        let mut supported = request.clone();
-        refuse_unsupported(&mut supported, &mut defaults);
-        let (input, mut unread) = typed_with_errors::<MachineInput>(&supported);
-        let Some(mut input) = input else {
-            unread.append(&mut defaults.errors);
-            return Err(Refusal::Invalid { errors: unread });
-        };
-        let resolved = input.scene.resolve(&mut defaults);
-        if input.scene.bearings.as_ref().is_none_or(Vec::is_empty) {
-            defaults.refuse(
-                "/scene/bearings",
-                "required: without ball bearings nothing moves in time; give `kind` `rotor`",
-            );
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = ShaftDraft::<MachineInput>::of(request, uploads)?;
+        let (input, defaults) = (&mut draft.input, &mut draft.defaults);
+        let machine = machine(&mut input.scene, &draft.resolved, defaults);
+        if machine.as_ref().is_some_and(|machine| MachineChannel::all(machine).is_empty()) {
+            defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
         }
-        let machine = machine(&mut input.scene, resolved, &mut defaults);
-        let settings = settings(&mut input, machine.as_ref(), &mut defaults);
-        let labels = input.labels.clone().unwrap_or_default();
-        check_labels(&labels, &mut defaults);
-        let priority = defaults.fill("/priority", &mut input.priority, 2);
-        defaults.check_of_rotor("/priority", f64::from(priority));
-        if let Some(keep) = input.keep_for_s {
-            defaults.check_of_rotor("/keep_for_s", keep);
-        }
-        let mut errors = std::mem::take(&mut defaults.errors);
-        errors.retain(|error: &FieldError| !unread.iter().any(|unread| unread.concerns(&error.pointer)));
-        errors.splice(0..0, unread);
-        let machine = match (machine, errors.is_empty()) {
-            (Some(machine), true) => machine,
-            _ => return Err(Refusal::Invalid { errors }),
-        };
-        let submission = Submission {
-            request,
-            labels,
-            priority: u8::try_from(priority).unwrap_or(2),
-            reuse: input.reuse.unwrap_or(true),
-            keep_for_s: input.keep_for_s,
-        };
+        let settings = settings(input, machine.as_ref(), defaults);
+        let (submission, input, _) = draft.finish()?;
+        // Without errors there is one.
+        let machine = machine.ok_or(Refusal::Invalid { errors: Vec::new() })?;
         Ok(Self { submission, input, machine, settings })
     }
 
@@ -138,6 +146,9 @@ impl MachineJob {
             "duration_s": self.input.duration_s,
             "mode_range": self.input.mode_range,
         });
+        if let Some(outputs) = &self.input.outputs {
+            job["outputs"] = given_fields(outputs);
+        }
         for (field, value) in [("settle_s", self.input.settle_s), ("step_us", self.input.step_us)] {
             if let Some(value) = value {
                 job[field] = value.into();
@@ -147,27 +158,33 @@ impl MachineJob {
     }
 }
 
-/// The machine in SI; `None` after errors in its bearings or its speed.
-fn machine(scene: &mut RotorSceneInput, resolved: ResolvedRotor, defaults: &mut Defaults) -> Option<Machine> {
-    let ResolvedRotor { rotor, scenes, sensors, .. } = resolved;
+/// The machine in SI; `None` after errors in its bearings.
+fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut Defaults) -> Option<Machine> {
+    let ResolvedRotor { rotor, scenes, sensors, speed, .. } = resolved;
     let inputs = scene.bearings.as_deref_mut().unwrap_or_default();
     if inputs.len() != scenes.len() {
         return None;
     }
     let mut bearings = Vec::with_capacity(inputs.len());
     for (index, (input, ResolvedScene { input: filled, scene, .. })) in inputs.iter_mut().zip(scenes).enumerate() {
-        (input.lubricant, input.surfaces) = (filled.lubricant, filled.surfaces);
+        (input.lubricant, input.surfaces) = (filled.lubricant.clone(), filled.surfaces.clone());
         let usual = NEXT_AZIMUTH_DEG * index as f64 % 360.0;
         let pointer = format!("/scene/bearings/{index}/start_azimuth_deg");
         let azimuth = DEG.to_si(defaults.fill(pointer, &mut input.start_azimuth_deg, usual));
-        bearings.push(MachineBearing { name: input.name.clone(), scene, start_azimuth: azimuth });
+        bearings.push(MachineBearing { name: input.name.clone(), scene: scene.clone(), start_azimuth: azimuth });
     }
-    let speed = SpeedProfile::constant(rotor.speed).ok()?;
-    Some(Machine { rotor, bearings, speed, sensors })
+    let rotor = Rotor { speed: speed.at(0.0).1, ..rotor.clone() };
+    Some(Machine { rotor, bearings, speed: speed.clone(), sensors: sensors.clone() })
 }
 
-/// Times and accuracy of the run. Errors are noted in `defaults`.
+/// Times, accuracy and outputs of the run. Errors are noted in `defaults`.
 fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut Defaults) -> MachineSettings {
+    if let Some(machine) = machine.filter(|machine| !machine.speed.is_constant()) {
+        let (first, last) = (machine.speed.points()[0].0, machine.speed.end());
+        let settle = defaults.fill("/settle_s", &mut input.settle_s, first);
+        let run_up = significant((last - settle).clamp(DURATION_S, MAX_RUN_UP_S), 6);
+        defaults.fill("/duration_s", &mut input.duration_s, run_up);
+    }
     let duration = defaults.fill("/duration_s", &mut input.duration_s, DURATION_S);
     let range = defaults.fill("/mode_range", &mut input.mode_range, RANGE);
     defaults.check_of_rotor("/mode_range", range);
@@ -176,12 +193,74 @@ fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut 
             defaults.check_of_rotor(pointer, value);
         }
     }
-    if let Some(machine) = machine.filter(|_| defaults.check_of_rotor("/duration_s", duration)) {
+    let is_inside = defaults.check_of_rotor("/duration_s", duration);
+    let mut series = Vec::new();
+    if let Some(machine) = machine {
         let channels = MachineChannel::all(machine).len() as f64;
-        if duration * RATE * channels > MAX_VALUES {
+        if is_inside && duration * RATE * channels > MAX_VALUES {
             let (longest, given) = (short(MAX_VALUES / (RATE * channels)), short(duration));
             defaults.refuse("/duration_s", format!("{given} s: at most {longest} s with {channels} channels"));
         }
+        // At a constant speed the number of turns does not depend on the time before.
+        let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
+        series = input.outputs.as_mut().map(|outputs| outputs.resolve(machine, &run, defaults)).unwrap_or_default();
     }
-    MachineSettings { settle: input.settle_s, duration, step: input.step_us.map(|step| US.to_si(step)), range }
+    MachineSettings { settle: input.settle_s, duration, step: input.step_us.map(|step| US.to_si(step)), range, series }
+}
+
+impl MachineOutputsInput {
+    /// The kept series, with those of the order analysis. Errors are noted in `defaults`.
+    fn resolve(&mut self, machine: &Machine, run: &RecordedTurns, defaults: &mut Defaults) -> Vec<MachineChannel> {
+        let names = defaults.fill("/outputs/series", &mut self.series, Vec::new());
+        let mut series = channels(&names, "/outputs/series", machine, defaults);
+        if let Some(orders) = &mut self.orders {
+            let analysed = orders.resolve_channels(&usual_channel(machine), defaults);
+            let analysed = channels(&analysed, "/outputs/orders/channels", machine, defaults);
+            let turning = run.bearings.iter().flat_map(RecordedBearing::turning_channels);
+            let turning = turning.filter_map(|name| MachineChannel::parse(&name, machine));
+            for channel in analysed.into_iter().chain(turning) {
+                if !series.contains(&channel) {
+                    series.push(channel);
+                }
+            }
+            orders.resolve(run, defaults);
+        }
+        series
+    }
+}
+
+/// The channel whose orders are analysed by default: the acceleration of the first sensor, or of the first bearing.
+fn usual_channel(machine: &Machine) -> String {
+    let of_sensor = machine.sensors.first().map(|_| MachineChannel::Sensor(0, Motion::Acceleration));
+    of_sensor.unwrap_or(MachineChannel::Ring(0, Axis::Y, Motion::Acceleration)).named(machine).to_string()
+}
+
+/// The channels of these names. Errors are noted in `defaults`.
+fn channels(names: &[String], pointer: &str, machine: &Machine, defaults: &mut Defaults) -> Vec<MachineChannel> {
+    if names.len() > MAX_CHANNELS {
+        defaults.refuse(pointer, format!("{} channels: at most {MAX_CHANNELS}", names.len()));
+    }
+    let mut channels = Vec::new();
+    for (index, name) in names.iter().enumerate().take(MAX_CHANNELS) {
+        let shown: String = name.chars().take(100).collect();
+        match MachineChannel::parse(name, machine) {
+            None => {
+                let detail = format!("unknown channel `{shown}`; channels are {}", known_channels(machine));
+                defaults.refuse(format!("{pointer}/{index}"), detail);
+            }
+            Some(channel) if channels.contains(&channel) => {
+                defaults.refuse(format!("{pointer}/{index}"), format!("`{shown}` is given more than once"));
+            }
+            Some(channel) => channels.push(channel),
+        }
+    }
+    channels
+}
+
+/// Channels of the first bearing and of the first sensor, as examples of all.
+fn known_channels(machine: &Machine) -> String {
+    let is_first = |channel: &MachineChannel| channel.source() == 0;
+    let names = MachineChannel::all(machine).into_iter().filter(is_first);
+    let names = names.map(|channel| channel.named(machine).to_string()).collect::<Vec<_>>().join(", ");
+    if machine.bearings.len() > 1 { format!("{names}, and those of the other bearings") } else { names }
 }

@@ -12,6 +12,8 @@ pub mod study;
 
 mod many_runs;
 mod range;
+mod shaft_draft;
+pub mod submission;
 mod varied;
 
 pub mod simulation;
@@ -23,6 +25,7 @@ pub mod kind;
 pub mod axis;
 pub mod orders;
 pub mod outputs;
+pub mod recorded_turns;
 pub mod solver;
 mod times;
 

@@ -1,15 +1,13 @@
 //! Requested order analysis of a run whose speed varies: order spectra, order tracks and waterfalls.
 
-use raceway_core::orders::angle::ShaftAngle;
-use raceway_core::orders::rotations::{Combination, Ratios};
+use raceway_core::orders::rotations::Combination;
 use raceway_core::orders::settings::{MOST_BINS, OrderSettings, Reference, highest_order};
 use raceway_core::orders::waterfall::{TimeWindows, sharpest_window};
-use raceway_core::simulation::input::channel::Channel;
-use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
 use raceway_core::simulation::recording::sampling::{BAND, RATE};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::recorded_turns::{RecordedBearing, RecordedTurns};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::{out_of_range, short, significant};
 use crate::contract::json::problem::FieldError;
@@ -19,11 +17,13 @@ use crate::contract::json::problem::FieldError;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OrdersInput {
-    /// Channels that are analysed. Default: the acceleration of the spindle in y.
+    /// Channels that are analysed. Default: the acceleration of the spindle in y; of a machine that of its first sensor, or of its first bearing in
+    /// y.
     #[schema(nullable = false, min_items = 1, max_items = 8, example = json!(["spindle.y.acceleration"]))]
     pub channels: Option<Vec<String>>,
-    /// Tracked orders: numbers, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2·BPFO` or `2*BPFO`). Names follow the simulated
-    /// speeds of cage and ball. Default: those of 1, 2, FTF, BPFO, 2·BPFO, BPFI and 2·BSF up to `max_order`.
+    /// Tracked orders: numbers, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2·BPFO` or `2*BPFO`), and of one bearing of several as
+    /// `BPFO@A`. Names follow the simulated speeds of cage and ball. Default: those of 1, 2, FTF, BPFO, 2·BPFO, BPFI and 2·BSF up to `max_order`;
+    /// with several bearings 1, 2, and BPFO and BPFI of each.
     #[schema(nullable = false, max_items = 32, example = json!(["1", "BPFO", "2·BPFO"]))]
     pub tracks: Option<Vec<String>>,
     /// Highest order. Default: four times that of BPFI, or the order of 20 kHz at the highest speed if that is lower.
@@ -40,7 +40,7 @@ pub struct OrdersInput {
     pub reference: Option<ReferenceName>,
 }
 
-/// `shaft`: orders of the spindle. `cage`: orders of the simulated cage; the ball passage over the outer raceway is then exactly order Z,
+/// `shaft`: orders of the spindle or shaft. `cage`, with one bearing: orders of the simulated cage; the ball passage over the outer raceway is then exactly order Z,
 /// whatever the slip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -67,33 +67,6 @@ impl From<ReferenceName> for Reference {
     }
 }
 
-/// Recorded turns of a run, and the ideal speeds of its balls.
-#[derive(Debug, Clone)]
-pub struct RecordedTurns {
-    /// `None` where the shaft reverses.
-    pub angle: Option<ShaftAngle>,
-    pub ratios: Ratios,
-    balls: f64,
-    pub has_cage: bool,
-}
-
-impl RecordedTurns {
-    /// Turns between the end of settling [s] and the last value of a recorded time [s].
-    pub fn of(scene: &Scene, settle: f64, duration: f64) -> Self {
-        let last = (settle + duration - RATE.recip()).max(settle);
-        Self {
-            angle: ShaftAngle::new(&scene.operation.speed, settle, last),
-            ratios: Ratios::of(&scene.bearing),
-            balls: scene.bearing.parameters.ball_count as f64,
-            has_cage: has_cage(scene),
-        }
-    }
-}
-
-fn has_cage(scene: &Scene) -> bool {
-    scene.terms.get(Term::Cage) != TermChoice::Off
-}
-
 /// A checked order analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrderRequest {
@@ -107,8 +80,11 @@ const REVERSES: &str = "the shaft reverses within the recorded time: orders need
 const OF: &str = "/outputs/orders";
 /// Default of the highest order over that of BPFI [-].
 const USUAL_MULTIPLE: f64 = 4.0;
-const DEFAULT_CHANNEL: &str = "spindle.y.acceleration";
+/// The analysed channel of one bearing by default.
+pub const DEFAULT_CHANNEL: &str = "spindle.y.acceleration";
 const DEFAULT_TRACKS: [&str; 7] = ["1", "2", "FTF", "BPFO", "2·BPFO", "BPFI", "2·BSF"];
+/// The same of each bearing of several.
+const DEFAULT_TRACKS_OF_EACH: [&str; 2] = ["BPFO", "BPFI"];
 const MOST_CHANNELS: usize = 8;
 const MOST_TRACKS: usize = 32;
 
@@ -125,9 +101,9 @@ impl OrdersInput {
         }
     }
 
-    /// Names of the analysed channels.
-    pub fn resolve_channels(&mut self, defaults: &mut Defaults) -> Vec<String> {
-        let channels = defaults.fill(format!("{OF}/channels"), &mut self.channels, vec![DEFAULT_CHANNEL.to_owned()]);
+    /// Names of the analysed channels; `usual`: that of the default.
+    pub fn resolve_channels(&mut self, usual: &str, defaults: &mut Defaults) -> Vec<String> {
+        let channels = defaults.fill(format!("{OF}/channels"), &mut self.channels, vec![usual.to_owned()]);
         if !(1..=MOST_CHANNELS).contains(&channels.len()) {
             let detail = format!("{} channels: must be 1 to {MOST_CHANNELS}", channels.len());
             defaults.refuse(format!("{OF}/channels"), detail);
@@ -144,10 +120,10 @@ impl OrdersInput {
         };
         let faults = defaults.errors.len();
         let reference = defaults.fill(format!("{OF}/reference"), &mut self.reference, ReferenceName::Shaft);
-        if reference == ReferenceName::Cage && !run.has_cage {
-            defaults.refuse(format!("{OF}/reference"), "the cage is not simulated (/scene/terms/cage is off)");
+        if let Some(detail) = run.without_cage().filter(|_| reference == ReferenceName::Cage) {
+            defaults.refuse(format!("{OF}/reference"), detail);
         }
-        let ratio = run.ratios.of_reference(reference.into());
+        let ratio = run.of_reference(reference.into());
         let (turns, fastest) = (angle.total() * ratio, angle.speeds().1 * ratio);
         if turns < 1.0 {
             let body = reference.name();
@@ -155,7 +131,7 @@ impl OrdersInput {
             defaults.refuse(OF, detail);
             return None;
         }
-        let of_bearing = (USUAL_MULTIPLE * run.ratios.ball_pass_inner / ratio).ceil();
+        let of_bearing = (USUAL_MULTIPLE * run.ball_pass_inner() / ratio).ceil();
         let usual = significant((BAND / fastest).min(of_bearing), 3);
         let max_order = defaults.fill(format!("{OF}/max_order"), &mut self.max_order, usual);
         // The product of order and speed is rounded.
@@ -195,11 +171,12 @@ impl OrdersInput {
         settings: &OrderSettings,
         defaults: &mut Defaults,
     ) -> Vec<(String, Combination)> {
-        let order = |track: &Combination| track.ratio(&run.ratios) / run.ratios.of_reference(settings.reference);
+        let ratios = run.ratios();
+        let order = |track: &Combination| track.ratio(&ratios) / run.of_reference(settings.reference);
         let is_within = |track: &Combination| order(track) > 0.0 && order(track) <= settings.max_order;
-        let known = |name: &str| track(name, run.balls, settings.reference);
-        let usual = DEFAULT_TRACKS.iter().filter(|name| known(name).is_some_and(|(_, track)| is_within(&track)));
-        let usual = usual.map(|name| (*name).to_owned()).collect();
+        let known = |name: &str| track(name, &run.bearings, settings.reference);
+        let usual = usual_tracks(&run.bearings).into_iter().filter_map(|name| known(&name));
+        let usual = usual.filter(|(_, track)| is_within(track)).map(|(name, _)| name).collect();
         let names = defaults.fill(format!("{OF}/tracks"), &mut self.tracks, usual);
         if names.len() > MOST_TRACKS {
             defaults.refuse(format!("{OF}/tracks"), format!("{} orders: at most {MOST_TRACKS}", names.len()));
@@ -209,9 +186,7 @@ impl OrdersInput {
         for (index, name) in names.iter().enumerate() {
             let shown: String = name.chars().take(40).collect();
             let detail = match known(name) {
-                None => format!(
-                    "`{shown}` is no order: give a number, or FTF, BPFO, BPFI or BSF, with a factor such as 2·BPFO"
-                ),
+                None => format!("`{shown}` is no order: {}", known_orders(&run.bearings)),
                 Some((_, track)) if !is_within(&track) => {
                     out_of_range(order(&track), 0.0, settings.max_order, true, "") + ", the highest order"
                 }
@@ -245,13 +220,13 @@ pub fn time_windows(
     let refuse = |field: &str, detail: String| Err(FieldError::new(field, detail));
     let Some(angle) = &run.angle else { return refuse("", REVERSES.to_owned()) };
     let duration = angle.duration() + RATE.recip();
-    let sharpest = sharpest_window(run.ratios.ball_pass_inner, angle.steepest()).min(LONGEST_WINDOW * duration);
+    let sharpest = sharpest_window(run.ball_pass_inner(), angle.steepest()).min(LONGEST_WINDOW * duration);
     let shortest = FEWEST_VALUES / RATE;
     let window = window_s.unwrap_or(sharpest.max(shortest));
     if !(shortest..=duration).contains(&window) {
         return refuse("window_s", out_of_range(window, shortest, duration, false, "s"));
     }
-    let usual = settings.max_order * run.ratios.of_reference(settings.reference) * angle.speeds().1;
+    let usual = settings.max_order * run.of_reference(settings.reference) * angle.speeds().1;
     let max_frequency = max_frequency_hz.unwrap_or(usual.min(BAND));
     if !(max_frequency > 0.0 && max_frequency <= 0.5 * RATE) {
         return refuse("max_frequency_hz", out_of_range(max_frequency, 0.0, 0.5 * RATE, true, "Hz"));
@@ -265,57 +240,85 @@ pub fn time_windows(
     }
 }
 
-/// The first analysed channel of a request; `None` where it asks for no orders.
-pub fn first_channel(request: &str) -> Option<String> {
-    let request: serde_json::Value = serde_json::from_str(request).ok()?;
-    let orders = request.pointer("/outputs/orders")?;
-    Some(orders.pointer("/channels/0").and_then(|name| name.as_str()).unwrap_or(DEFAULT_CHANNEL).to_owned())
-}
-
-/// Channels with the simulated turns of cage and ball, which an order analysis keeps beside its own.
-pub fn turning_channels(scene: &Scene) -> Vec<Channel> {
-    let cage = has_cage(scene).then_some(Channel::CageSpeed);
-    cage.into_iter().chain([Channel::BallSpin(0)]).collect()
-}
-
 /// The reason why a waterfall is too large; `None` if it is not.
 pub fn too_many_bins(rows: usize, columns: usize) -> Option<String> {
     let bins = rows.saturating_mul(columns);
     (bins > MOST_BINS).then(|| format!("{rows} rows of {columns} bins are {bins} bins: at most {MOST_BINS}"))
 }
 
-/// Name and turns of a tracked order.
-fn track(name: &str, balls: f64, reference: Reference) -> Option<(String, Combination)> {
+/// Names of the orders that are tracked by default.
+fn usual_tracks(bearings: &[RecordedBearing]) -> Vec<String> {
+    let named = |order: &str| {
+        let of_bearing = |bearing: &RecordedBearing| bearing.name.as_ref().map(|name| format!("{order}@{name}"));
+        bearings.iter().filter_map(of_bearing).collect::<Vec<_>>()
+    };
+    match bearings {
+        [RecordedBearing { name: None, .. }] => DEFAULT_TRACKS.map(str::to_owned).to_vec(),
+        [_] => DEFAULT_TRACKS[..2]
+            .iter()
+            .map(|order| (*order).to_owned())
+            .chain(DEFAULT_TRACKS[2..].iter().flat_map(|order| named(order)))
+            .collect(),
+        _ => DEFAULT_TRACKS[..2]
+            .iter()
+            .map(|order| (*order).to_owned())
+            .chain(DEFAULT_TRACKS_OF_EACH.iter().flat_map(|order| named(order)))
+            .collect(),
+    }
+}
+
+fn known_orders(bearings: &[RecordedBearing]) -> String {
+    let names: Vec<&str> = bearings.iter().filter_map(|bearing| bearing.name.as_deref()).collect();
+    let orders = "give a number, or FTF, BPFO, BPFI or BSF, with a factor such as 2·BPFO";
+    if names.is_empty() {
+        orders.to_owned()
+    } else {
+        format!("{orders}, and with its bearing, such as BPFO@{}", names[0])
+    }
+}
+
+/// Name and turns of a tracked order. `BPFO@A` is that of bearing A, which is left out where there is only one.
+fn track(name: &str, bearings: &[RecordedBearing], reference: Reference) -> Option<(String, Combination)> {
     let name = name.trim();
     let (factor, named) = match name.split_once(['·', '*']) {
         Some((factor, named)) => (factor.parse::<f64>().ok().filter(|factor| factor.is_finite())?, named),
         None => (1.0, name),
     };
+    if let Some(order) = named.parse::<f64>().ok().filter(|order| order.is_finite() && named == name) {
+        let combination = match reference {
+            Reference::Shaft => Combination { shaft: order, ..Combination::default() },
+            Reference::Cage => Combination { cage: order, ..Combination::default() },
+        };
+        return Some((short(order), combination));
+    }
+    let (order, bearing) = match named.split_once('@') {
+        Some((order, of)) => (order, bearings.iter().position(|bearing| bearing.name.as_deref() == Some(of))?),
+        None if bearings.len() == 1 => (named, 0),
+        None => return None,
+    };
+    let RecordedBearing { name, balls, .. } = &bearings[bearing];
     let of = |shaft: f64, cage: f64, ball: f64| Combination {
         shaft: factor * shaft,
         cage: factor * cage,
         ball: factor * ball,
+        bearing,
     };
-    let combination = match named {
+    let combination = match order {
         "FTF" => of(0.0, 1.0, 0.0),
-        "BPFO" => of(0.0, balls, 0.0),
-        "BPFI" => of(balls, -balls, 0.0),
+        "BPFO" => of(0.0, *balls, 0.0),
+        "BPFI" => of(*balls, -balls, 0.0),
         "BSF" => of(0.0, 0.0, 1.0),
-        number => {
-            let order = number.parse::<f64>().ok().filter(|order| order.is_finite() && number == name)?;
-            let combination = match reference {
-                Reference::Shaft => of(order, 0.0, 0.0),
-                Reference::Cage => of(0.0, order, 0.0),
-            };
-            return Some((short(order), combination));
-        }
+        _ => return None,
     };
-    let name = if factor == 1.0 { named.to_owned() } else { format!("{}·{named}", short(factor)) };
-    Some((name, combination))
+    let factor = if factor == 1.0 { String::new() } else { format!("{}·", short(factor)) };
+    let of_bearing = name.as_ref().map(|name| format!("@{name}")).unwrap_or_default();
+    Some((format!("{factor}{order}{of_bearing}"), combination))
 }
 
 #[cfg(test)]
 mod tests {
+    use raceway_core::orders::rotations::Ratios;
+
     use super::*;
     use crate::contract::scene_from_json;
 
@@ -362,16 +365,28 @@ mod tests {
 
     #[test]
     fn orders_have_one_name_each() {
-        let name = |text| track(text, 7.0, Reference::Shaft).map(|(name, _)| name);
+        let rolling = Ratios { cage: 0.4, ball: 2.3, ball_pass_inner: 4.2 };
+        let bearing = |name: Option<&str>| RecordedBearing {
+            name: name.map(str::to_owned),
+            ratios: rolling,
+            balls: 7.0,
+            has_cage: true,
+        };
+        let (alone, pair) = ([bearing(None)], ["A", "B"].map(|name| bearing(Some(name))));
+        let name = |text| track(text, &alone, Reference::Shaft).map(|(name, _)| name);
+        let of_pair = |text| track(text, &pair, Reference::Shaft).map(|(name, track)| (name, track.bearing));
+        assert_eq!(of_pair("2*BPFO@B"), Some(("2·BPFO@B".to_owned(), 1)));
+        assert_eq!((of_pair("BPFO"), of_pair("BPFO@C")), (None, None));
+        assert_eq!(track("BPFI", &pair[..1], Reference::Shaft).unwrap().0, "BPFI@A");
+        assert_eq!(usual_tracks(&pair), ["1", "2", "BPFO@A", "BPFO@B", "BPFI@A", "BPFI@B"]);
         assert_eq!(name("2*BPFO").as_deref(), Some("2·BPFO"));
         assert_eq!(name(" 1·FTF").as_deref(), Some("FTF"));
         assert_eq!(name("3.50").as_deref(), Some("3.5"));
         for wrong in ["", "BPF", "2·3", "NaN", "inf", "x·BPFO", "bpfo"] {
             assert_eq!(name(wrong), None, "{wrong}");
         }
-        let (_, inner) = track("2·BPFI", 7.0, Reference::Cage).unwrap();
-        let rolling = Ratios { cage: 0.4, ball: 2.3, ball_pass_inner: 4.2 };
-        assert!((inner.ratio(&rolling) - 8.4).abs() < 1e-12);
+        let (_, inner) = track("2·BPFI", &alone, Reference::Cage).unwrap();
+        assert!((inner.ratio(&[rolling]) - 8.4).abs() < 1e-12);
         assert_eq!(
             too_many_bins(2000, 2001).as_deref(),
             Some("2000 rows of 2001 bins are 4002000 bins: at most 4000000")

@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::orders::{OrdersInput, turning_channels};
+use super::orders::{DEFAULT_CHANNEL, OrdersInput};
+use super::recorded_turns::turning_channels;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
 use crate::contract::json::shapes::optional_object;
@@ -81,7 +82,7 @@ impl MetricsPart {
 
 /// Channels whose spectra are kept by default.
 pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.acceleration"];
-const MAX_CHANNELS: usize = 64;
+pub const MAX_CHANNELS: usize = 64;
 /// Limits of the band whose envelope is analysed [Hz].
 pub const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
@@ -93,7 +94,8 @@ impl OutputsInput {
         let usual = USUAL_SPECTRA.map(str::to_owned).to_vec();
         let spectra = defaults.fill("/outputs/spectra", &mut self.spectra, usual);
         let series = defaults.fill("/outputs/series", &mut self.series, Vec::new());
-        let of_orders = self.orders.as_mut().map(|orders| orders.resolve_channels(defaults)).unwrap_or_default();
+        let of_orders =
+            self.orders.as_mut().map(|orders| orders.resolve_channels(DEFAULT_CHANNEL, defaults)).unwrap_or_default();
         let is_uneven = scene.is_some_and(|scene| !scene.surfaces.are_ideal());
         let envelope_harmonics = outputs.vibration && is_uneven;
         let has_spectra = envelope_harmonics || !spectra.is_empty();

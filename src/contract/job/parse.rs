@@ -93,34 +93,34 @@ pub fn parse_accuracy_request(body: &[u8], repetitions: Option<u32>) -> Result<J
         if let (Value::Object(fields), Some(repetitions)) = (&mut request, repetitions) {
             fields.entry("repetitions").or_insert_with(|| repetitions.into());
         }
-        of_kind(JobKind::Accuracy, request)
+        of_kind(JobKind::Accuracy, request, &Uploads::default())
     })
 }
 
 /// Reads a study, with or without its kind.
 pub fn parse_study_request(body: &[u8]) -> Result<Job, Refusal> {
-    of_kind(JobKind::Study, strict::read(body)?)
+    of_kind(JobKind::Study, strict::read(body)?, &Uploads::default())
 }
 
 /// Reads an optimum job, with or without its kind.
 pub fn parse_optimum_request(body: &[u8]) -> Result<Job, Refusal> {
-    of_kind(JobKind::Optimum, strict::read(body)?)
+    of_kind(JobKind::Optimum, strict::read(body)?, &Uploads::default())
 }
 
-/// Reads a rotor job. Its kind is required, as in other requests for a job.
-pub fn parse_rotor_request(body: &[u8]) -> Result<Job, Refusal> {
+/// Reads a rotor job that may name these series. Its kind is required, as in other requests for a job.
+pub fn parse_rotor_request(body: &[u8], uploads: &Uploads) -> Result<Job, Refusal> {
     let request = strict::read(body)?;
     if request.is_object() && request.get("kind").is_none() {
         return Err(FieldError::new("/kind", "required, but missing: `rotor`").into());
     }
-    of_kind(JobKind::Rotor, request)
+    of_kind(JobKind::Rotor, request, uploads)
 }
 
 /// Checks a job of one kind, which the request may omit.
-fn of_kind(expected: JobKind, request: Value) -> Result<Job, Refusal> {
+fn of_kind(expected: JobKind, request: Value, uploads: &Uploads) -> Result<Job, Refusal> {
     let request = with_kind(expected, request);
     match JobKind::of(&request)? {
-        kind if kind == expected => Job::of(request, &Uploads::default()),
+        kind if kind == expected => Job::of(request, uploads),
         kind => Err(FieldError::new("/kind", format!("must be `{}`, not `{}`", expected.name(), kind.name())).into()),
     }
 }

@@ -8,22 +8,21 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::kind::JobKind;
-use super::simulation::{Submission, check_labels};
+use super::shaft_draft::{ShaftDraft, ShaftRequest};
+use super::submission::{ServiceFields, Submission};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::given_fields::given_fields;
 use crate::contract::json::numbers::{short, significant};
-use crate::contract::json::problem::{FieldError, Refusal};
+use crate::contract::json::problem::Refusal;
 use crate::contract::json::shapes::{object, whole_number};
-use crate::contract::json::typed::typed_with_errors;
 use crate::contract::json::units::RPM;
-use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput, refuse_unsupported};
+use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput};
 
 /// Default number of natural frequencies, and of speeds.
 const MODES: u32 = 8;
 const SPEEDS: usize = 50;
 const MAX_SPEEDS: usize = 1000;
-const NOT_RESTRAINED: &str = "they leave a rigid motion of the shaft free: give stiffness in y and z at two places, or tilt stiffness \
-                              at one; a shaft with `axial` `free` also needs stiffness in x";
 
 /// A rotor job: natural frequencies and damping over speed, critical speeds, response to unbalance, static deflection. Linear; a result
 /// takes milliseconds, which is why `POST /v1/rotor` also answers at once.
@@ -104,6 +103,17 @@ impl<'de> Deserialize<'de> for SpeedsInput {
     }
 }
 
+impl ShaftRequest for RotorInput {
+    fn scene(&mut self) -> &mut RotorSceneInput {
+        &mut self.scene
+    }
+
+    fn service(&mut self) -> ServiceFields<'_> {
+        let Self { labels, priority, reuse, keep_for_s, .. } = self;
+        ServiceFields { labels, priority, reuse: *reuse, keep_for_s: *keep_for_s }
+    }
+}
+
 /// A checked rotor job.
 #[derive(Debug, Clone)]
 pub struct RotorJob {
@@ -125,44 +135,14 @@ impl PartialEq for RotorJob {
 
 impl RotorJob {
     /// The job of a request of this kind.
-    pub fn of(request: Value) -> Result<Self, Refusal> {
-        let mut defaults = Defaults::default();
-        let mut supported = request.clone();
-        refuse_unsupported(&mut supported, &mut defaults);
-        let (input, mut unread) = typed_with_errors::<RotorInput>(&supported);
-        let Some(mut input) = input else {
-            unread.append(&mut defaults.errors);
-            return Err(Refusal::Invalid { errors: unread });
-        };
-        let ResolvedRotor { rotor, elements, .. } = input.scene.resolve(&mut defaults);
-        let speeds_rpm = speeds(&mut input, &mut defaults);
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = ShaftDraft::<RotorInput>::of(request, uploads)?;
+        let (input, defaults) = (&mut draft.input, &mut draft.defaults);
+        let speeds_rpm = speeds(input, draft.resolved.speed.largest(), defaults);
         let modes = defaults.fill("/modes", &mut input.modes, MODES);
         defaults.check_of_rotor("/modes", f64::from(modes));
-        let labels = input.labels.clone().unwrap_or_default();
-        check_labels(&labels, &mut defaults);
-        let priority = defaults.fill("/priority", &mut input.priority, 2);
-        defaults.check_of_rotor("/priority", f64::from(priority));
-        if let Some(keep) = input.keep_for_s {
-            defaults.check_of_rotor("/keep_for_s", keep);
-        }
-        // Whether bearings hold the shaft shows at the operating point.
-        let is_checked = unread.is_empty() && defaults.errors.is_empty() && rotor.bearings.is_empty();
-        if is_checked && !rotor.is_restrained() {
-            defaults.refuse("/scene/supports", NOT_RESTRAINED);
-        }
-        let mut errors = std::mem::take(&mut defaults.errors);
-        errors.retain(|error: &FieldError| !unread.iter().any(|unread| unread.concerns(&error.pointer)));
-        errors.splice(0..0, unread);
-        if !errors.is_empty() {
-            return Err(Refusal::Invalid { errors });
-        }
-        let submission = Submission {
-            request,
-            labels,
-            priority: u8::try_from(priority).unwrap_or(2),
-            reuse: input.reuse.unwrap_or(true),
-            keep_for_s: input.keep_for_s,
-        };
+        let (submission, input, ResolvedRotor { rotor, elements, speed, .. }) = draft.finish()?;
+        let rotor = Rotor { speed: speed.largest(), ..rotor };
         let speeds = speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect();
         let request = Request { elements, speeds, modes: modes as usize };
         Ok(Self { submission, input, rotor, request, speeds_rpm })
@@ -179,10 +159,10 @@ impl RotorJob {
     }
 }
 
-/// The speeds of the request, or the default [r/min]. Errors are noted in `defaults`.
-fn speeds(input: &mut RotorInput, defaults: &mut Defaults) -> Vec<f64> {
+/// The speeds of the request, or the default by the operating speed [rad/s], in r/min. Errors are noted in `defaults`.
+fn speeds(input: &mut RotorInput, operating: f64, defaults: &mut Defaults) -> Vec<f64> {
     const POINTER: &str = "/speeds_rpm";
-    let operating = input.scene.operation.speed_rpm;
+    let operating = significant(RPM.to_user(operating), 12);
     let usual = match operating > 0.0 {
         true => SpeedsInput::Range(SpeedRangeInput { from: 0.0, to: significant(1.5 * operating, 9), count: None }),
         false => SpeedsInput::List(vec![0.0]),

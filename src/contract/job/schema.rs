@@ -120,6 +120,13 @@ pub const KINDS: [Kind; 4] = [
 
 /// Adds to the schema of a job the limits of its fields, its kinds, and their defaults.
 pub fn complete(schemas: &mut Schemas) {
+    // Of schemas that both share, those of a simulation are the wider ones.
+    for limits in limits::all_of_rotor() {
+        let path: Vec<&str> = limits.pointer().split('/').skip(1).collect();
+        for job in [ROTOR, MACHINE] {
+            change(schemas, job, &path, &|number| set_limits(number, limits));
+        }
+    }
     for (pointer, limits) in limits::all() {
         let path: Vec<&str> = pointer.split('/').skip(1).collect();
         change(schemas, JOB, &path, &|number| set_limits(number, &limits));
@@ -134,12 +141,6 @@ pub fn complete(schemas: &mut Schemas) {
     let Some(RefOr::T(Schema::Object(every))) = schemas.remove(JOB) else { return };
     schemas.extend(KINDS.iter().map(|kind| (kind.name.to_owned(), RefOr::T(kind.part_of(&every).into()))));
     schemas.insert(JOB.to_owned(), RefOr::T(any_kind(every.description)));
-    for limits in limits::all_of_rotor() {
-        let path: Vec<&str> = limits.pointer().split('/').skip(1).collect();
-        for job in [ROTOR, MACHINE] {
-            change(schemas, job, &path, &|number| set_limits(number, limits));
-        }
-    }
     for (path, name, value) in rotor_defaults() {
         for job in [ROTOR, MACHINE] {
             change(schemas, job, path, &|object| set_defaults(object, name, Some(&json!({ name: value }))));

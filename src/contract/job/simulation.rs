@@ -15,9 +15,10 @@ use serde_json::{Value, json};
 
 use super::input::JobInput;
 use super::kind::JobKind;
-use super::orders::{OrderRequest, OrdersInput, RecordedTurns};
 use super::outputs::{OutputsInput, USUAL_SPECTRA};
+use super::recorded_turns::RecordedTurns;
 use super::solver::{Solver, SolverInput};
+use super::submission::{Submission, all_errors};
 use super::times;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::given_fields::given_fields;
@@ -43,19 +44,6 @@ pub struct Simulation {
     /// Solver and outputs with all defaults, as in a request.
     pub solver: SolverInput,
     pub outputs: OutputsInput,
-}
-
-/// A request as it was sent, and how the service treats it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Submission {
-    pub request: Value,
-    pub labels: Vec<String>,
-    /// 1 (first) to 4 (last).
-    pub priority: u8,
-    /// Whether the result of an identical finished job may be returned.
-    pub reuse: bool,
-    /// Time that the job is kept after its end [s].
-    pub keep_for_s: Option<f64>,
 }
 
 impl Simulation {
@@ -90,20 +78,6 @@ impl Simulation {
     /// Everything that determines the result, as text: equal for equal work, whichever fields were left to their default.
     pub fn canonical(&self) -> String {
         self.complete().to_string()
-    }
-
-    /// The recorded turns.
-    pub fn recorded_turns(&self) -> RecordedTurns {
-        RecordedTurns::of(self.scene(), self.settings.settle, self.settings.duration)
-    }
-
-    /// An order analysis by the given settings, and by those of the request for the others. The pointers of errors are those of a request.
-    pub fn orders(&self, given: OrdersInput) -> Result<OrderRequest, Vec<FieldError>> {
-        let requested = self.submission.request.pointer("/outputs/orders").cloned();
-        let requested = requested.and_then(|orders| serde_json::from_value(orders).ok()).unwrap_or_default();
-        let mut defaults = Defaults::default();
-        let orders = given.or(requested).resolve(&self.recorded_turns(), &mut defaults);
-        orders.ok_or(defaults.errors)
     }
 
     /// Canonical text of the same simulation with the usual spectra; its metrics are the same.
@@ -186,13 +160,7 @@ impl Draft {
         settings: RunSettings,
         levels: impl Fn(&Scene, &RunSettings) -> Result<Vec<ModelLevel>, UnsupportedChoice>,
     ) -> Result<Simulation, Refusal> {
-        let labels = self.input.labels.take().unwrap_or_default();
-        check_labels(&labels, &mut self.defaults);
-        let priority = self.defaults.fill("/priority", &mut self.input.priority, 2);
-        self.defaults.check("/priority", f64::from(priority));
-        if let Some(keep) = self.input.keep_for_s {
-            self.defaults.check("/keep_for_s", keep);
-        }
+        let submission = Submission::of(self.request, &mut self.input.service(), &mut self.defaults);
         // A missing term may be one of the fields that could not be read.
         let readable = self.resolved.as_ref().filter(|_| self.unread.is_empty());
         let model = readable.map(|resolved| model(resolved, &settings, levels));
@@ -205,19 +173,12 @@ impl Draft {
         };
         let mut errors = self.scene_errors;
         errors.append(&mut self.defaults.errors);
-        errors.retain(|error| !self.unread.iter().any(|unread| unread.concerns(&error.pointer)));
-        errors.splice(0..0, self.unread);
+        let errors = all_errors(self.unread, errors);
         let (Some(mut resolved), Some((terms, model_levels)), true) = (self.resolved, model, errors.is_empty()) else {
             return Err(Refusal::Invalid { errors });
         };
         resolved.defaults.append(&mut self.defaults.filled);
-        let submission = Submission {
-            request: self.request,
-            labels,
-            priority: u8::try_from(priority).unwrap_or(2),
-            reuse: self.kind != JobKind::Accuracy && self.input.reuse.unwrap_or(true),
-            keep_for_s: self.input.keep_for_s,
-        };
+        let submission = Submission { reuse: self.kind != JobKind::Accuracy && submission.reuse, ..submission };
         Ok(Simulation {
             submission,
             resolved,
@@ -328,23 +289,4 @@ fn unmet(unmet: UnsupportedChoice) -> FieldError {
         UnsupportedChoice::Term { term, .. } => format!("/scene/terms/{}", term.name()),
     };
     FieldError::new(pointer, unmet.to_string())
-}
-
-/// Largest number of labels, and longest label [characters].
-const MAX_LABELS: usize = 16;
-const MAX_LABEL: usize = 200;
-
-/// Refuses labels that are too many, too long or not printable.
-pub(super) fn check_labels(labels: &[String], defaults: &mut Defaults) {
-    if labels.len() > MAX_LABELS {
-        defaults.refuse("/labels", format!("{} labels: at most {MAX_LABELS}", labels.len()));
-    }
-    for (index, label) in labels.iter().enumerate() {
-        let length = label.chars().count();
-        if length > MAX_LABEL {
-            defaults.refuse(format!("/labels/{index}"), format!("{length} characters: at most {MAX_LABEL}"));
-        } else if label.chars().any(char::is_control) {
-            defaults.refuse(format!("/labels/{index}"), "control characters are not allowed in a label");
-        }
-    }
 }

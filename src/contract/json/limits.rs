@@ -31,7 +31,7 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
 
 /// Limits of fields of the job.
-const OF_A_JOB: [FieldLimits; 12] = [
+const OF_A_JOB: [FieldLimits; 13] = [
     DURATION,
     from("/settle_s", 0.0, 1000.0, "s"),
     from("/priority", 1.0, 4.0, ""),
@@ -41,13 +41,14 @@ const OF_A_JOB: [FieldLimits; 12] = [
     from("/solver/relative_tolerance", TOLERANCES.0, TOLERANCES.1, ""),
     from("/solver/model_tolerance_db", 0.0, 20.0, "dB"),
     from("/solver/fixed_step_us", 1e-3, 1e3, "µs"),
+    from("/scene/operation/loads/at_mm", 0.0, 4e6, "mm"),
     from("/outputs/orders/max_order", 0.1, 1e6, ""),
     from("/outputs/orders/turns_per_block", 1.0, 1e6, ""),
     from("/outputs/orders/overlap", 0.0, 0.9, ""),
 ];
 
 /// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 46] = [
+const OF_A_ROTOR: [FieldLimits; 48] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -61,6 +62,8 @@ const OF_A_ROTOR: [FieldLimits; 46] = [
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),
     from("/scene/operation/speed_rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/speed_rpm/rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/loads/at_mm", 0.0, 4e6, "mm"),
     from("/scene/operation/radial_load_y_n", -1e7, 1e7, "N"),
     from("/scene/operation/radial_load_z_n", -1e7, 1e7, "N"),
     from("/scene/operation/axial_load_n", -1e7, 1e7, "N"),

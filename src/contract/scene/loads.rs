@@ -1,4 +1,4 @@
-//! Loads on the spindle that may vary.
+//! Loads on the spindle or on the shaft that may vary.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -11,16 +11,21 @@ use crate::contract::json::units::{DEG, HZ, N, N_M, NUMBER, S, Unit};
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, MOST_LOADS, Shock};
 
-/// A load on the spindle, at its centre of mass: exactly one of `constant_n`, `points`, `harmonic`, `rotating`, `shock` and `series`. Moments have
+/// A load on the spindle, at its centre of mass, or on a place of the shaft: exactly one of `constant_n`, `points`, `harmonic`, `rotating`, `shock` and `series`. Moments have
 /// `n_m` in place of `n`. Times count from the start, settling included.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(example = json!({"direction": "y", "harmonic": {"amplitude_n": 50, "order": 2, "phase_deg": 0}}))]
 pub struct LoadInput {
-    /// The body that the load acts on. Default: `spindle`.
+    /// The body that the load acts on: `shaft` where the scene has one, else `spindle`, which is the default.
     #[schema(nullable = false)]
     pub on: Option<LoadedBody>,
-    /// Required, except for a rotating load. `x` requires a spindle that is free in axial direction, moments one that tilts freely.
+    /// Place along the shaft [mm]. Default: the mass centre of shaft and discs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 150.0)]
+    pub at_mm: Option<f64>,
+    /// Required, except for a rotating load. `x` requires a spindle or shaft that is free in axial direction, moments a shaft, or a spindle that
+    /// tilts freely.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub direction: Option<LoadDirectionInput>,
@@ -59,6 +64,7 @@ pub struct LoadInput {
 #[serde(rename_all = "snake_case")]
 pub enum LoadedBody {
     Spindle,
+    Shaft,
 }
 
 /// Axis of a force, or axis that a moment turns about. Y points along gravity, X along the bearing's axis.
@@ -163,15 +169,30 @@ pub struct LoadSeriesInput {
     pub hash: String,
 }
 
-/// Loads of the operation in `physics`. A load with an error is left out.
+pub(super) const POINTER: &str = "/scene/operation/loads";
+
+/// Loads on the spindle in `physics`. A load with an error is left out.
 pub fn resolve(loads: &mut Option<Vec<LoadInput>>, defaults: &mut Defaults) -> Vec<Load> {
-    const POINTER: &str = "/scene/operation/loads";
     let count = loads.as_ref().map_or(0, Vec::len);
     if count > MOST_LOADS {
         defaults.refuse(POINTER, format!("{count} loads: at most {MOST_LOADS}"));
     }
     let all = loads.iter_mut().flatten().enumerate().take(MOST_LOADS);
-    all.filter_map(|(index, load)| load.resolve(&format!("{POINTER}/{index}"), defaults)).collect()
+    let resolve = |(index, load): (usize, &mut LoadInput)| {
+        let at = format!("{POINTER}/{index}");
+        if load.on == Some(LoadedBody::Shaft) {
+            defaults.refuse(format!("{at}/on"), "the scene has no `shaft`: leave it out, or give `spindle`");
+        }
+        if load.at_mm.is_some() {
+            defaults.refuse(
+                format!("{at}/at_mm"),
+                "only a `shaft` has places: the load acts at the centre of mass of the spindle",
+            );
+        }
+        defaults.fill(format!("{at}/on"), &mut load.on, LoadedBody::Spindle);
+        load.resolve(&at, defaults)
+    };
+    all.filter_map(resolve).collect()
 }
 
 impl LoadDirectionInput {
@@ -220,8 +241,7 @@ impl Place<'_> {
 
 impl LoadInput {
     /// `None` after an error.
-    fn resolve(&mut self, at: &str, defaults: &mut Defaults) -> Option<Load> {
-        defaults.fill(format!("{at}/on"), &mut self.on, LoadedBody::Spindle);
+    pub(super) fn resolve(&mut self, at: &str, defaults: &mut Defaults) -> Option<Load> {
         let kinds = [
             ("constant_n", self.constant_n.is_some() || self.constant_n_m.is_some()),
             ("points", self.points.is_some()),

@@ -17,6 +17,7 @@ pub mod terms;
 pub mod rotor_bearings;
 pub mod rotor_scene;
 pub mod shaft;
+mod shaft_loads;
 pub mod supports;
 
 pub mod presets;

@@ -121,7 +121,7 @@ impl OperationInput {
 
 impl SpeedInput {
     /// The speed profile of `physics`; `None` after an error.
-    fn resolve(&self, defaults: &mut Defaults) -> Option<SpeedProfile> {
+    pub fn resolve(&self, defaults: &mut Defaults) -> Option<SpeedProfile> {
         const POINTER: &str = "/scene/operation/speed_rpm";
         let points: Vec<_> = match self {
             Self::Constant(rpm) => vec![(0.0, RPM.to_si(*rpm))],

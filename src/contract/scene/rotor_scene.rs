@@ -4,16 +4,21 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
+use super::loads::LoadInput;
+use super::operation::SpeedInput;
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
 use super::scene_input::ResolvedScene;
 use super::shaft::{ElementsName, ShaftInput, check_place};
+use super::shaft_loads;
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list};
-use crate::contract::json::units::{MM, RPM};
+use crate::contract::json::units::MM;
 use raceway_core::machine::input::Sensor;
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::frame::shaft::Shaft;
+use raceway_core::physics::limits::MOST_POINTS;
+use raceway_core::physics::operation::SpeedProfile;
 use raceway_core::rotor::input::{Elements, Rotor};
 use raceway_core::simulation::input::channel::Axis;
 
@@ -71,22 +76,25 @@ pub enum DirectionName {
     Z,
 }
 
-/// Operating speed, and forces on the mass centre of shaft and discs.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+/// Speed, and loads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotorOperationInput {
-    /// Operating speed [r/min].
-    #[schema(example = 12000.0)]
-    pub speed_rpm: f64,
-    /// Load along +Y, the direction of gravity [N]. Default 0.
+    /// Speed, at least 0. A `rotor` job takes the highest of a profile as its operating speed; a `machine` job starts with the first.
+    pub speed_rpm: SpeedInput,
+    /// Load on the mass centre of shaft and discs along +Y, the direction of gravity [N]. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub radial_load_y_n: Option<f64>,
-    /// Load along +Z [N]. Default 0.
+    /// Load on the mass centre along +Z [N]. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub radial_load_z_n: Option<f64>,
-    /// Load along +X [N]. Default 0.
+    /// Load on the mass centre along +X [N]. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub axial_load_n: Option<f64>,
+    /// Loads on places of the shaft, constant or not, at most 32. A `rotor` job takes them as they are at time 0, and the mean of harmonic ones.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, max_items = 32)]
+    pub loads: Option<Vec<LoadInput>>,
 }
 
 const MAX_SENSORS: usize = 16;
@@ -116,17 +124,13 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
         defaults
             .refuse("/scene/spindle", "`shaft` takes its place: give its mass and unbalance as discs and unbalances");
     }
-    if let Some(loads) = scene.get_mut("operation").and_then(Value::as_object_mut)
-        && loads.remove("loads").is_some()
-    {
-        defaults
-            .refuse("/scene/operation/loads", "not supported yet; give radial_load_y_n, radial_load_z_n, axial_load_n");
-    }
 }
 
 /// A scene of a shaft in SI.
 pub struct ResolvedRotor {
+    /// Its speed is the first of `speed`.
     pub rotor: Rotor,
+    pub speed: SpeedProfile,
     pub elements: Elements,
     /// The bearings of the rotor alone, in its order.
     pub scenes: Vec<ResolvedScene>,
@@ -138,7 +142,7 @@ impl RotorSceneInput {
     pub fn resolve(&mut self, defaults: &mut Defaults) -> ResolvedRotor {
         const OPERATION: &str = "/scene/operation";
         let operation = &mut self.operation;
-        defaults.check_of_rotor(&format!("{OPERATION}/speed_rpm"), operation.speed_rpm);
+        let speed = shaft_speed(&operation.speed_rpm, defaults);
         let mut load = |name: &str, field: &mut Option<f64>| {
             let pointer = format!("{OPERATION}/{name}");
             let value = defaults.fill(pointer.clone(), field, 0.0);
@@ -169,16 +173,35 @@ impl RotorSceneInput {
             rotor_bearings::preload(preloads, inputs, &mut bearings, defaults);
         }
         let elements = self.shaft.elements.unwrap_or(ElementsName::Auto).into();
-        let speed = RPM.to_si(operation.speed_rpm);
+        let loads = shaft_loads::resolve(&mut self.operation.loads, (&shaft, length_mm), speed.largest(), defaults);
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
         let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, length_mm, &shaft);
         ResolvedRotor {
-            rotor: Rotor { shaft, unbalances, supports, bearings, speed, gravity, load },
+            rotor: Rotor { shaft, unbalances, supports, bearings, speed: speed.at(0.0).1, gravity, load, loads },
+            speed,
             elements,
             scenes,
             sensors,
         }
     }
+}
+
+/// The speed in SI; at rest after an error.
+fn shaft_speed(input: &SpeedInput, defaults: &mut Defaults) -> SpeedProfile {
+    const POINTER: &str = "/scene/operation/speed_rpm";
+    let known_errors = defaults.errors.len();
+    match input {
+        SpeedInput::Constant(speed) => {
+            defaults.check_of_rotor(POINTER, *speed);
+        }
+        SpeedInput::Profile(points) => {
+            for (index, point) in points.iter().enumerate().take(MOST_POINTS) {
+                defaults.check_of_rotor(&format!("{POINTER}/{index}/rpm"), point.rpm);
+            }
+        }
+    }
+    let profile = if defaults.errors.len() == known_errors { input.resolve(defaults) } else { None };
+    profile.unwrap_or_else(SpeedProfile::at_rest)
 }
 
 /// The sensors in SI. Errors are noted in `defaults`.

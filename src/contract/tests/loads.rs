@@ -56,7 +56,9 @@ fn every_wrong_load_is_refused_at_its_field() {
         (shock(json!({ "peak_n": 3, "at_s": -1, "duration_s": 0.1 })), "/shock/at_s", "-1 s: must be from 0"),
         (shock(json!({ "peak_n": 3, "at_s": 1, "duration_s": 0 })), "/shock/duration_s", "0 s: must be from 1e-6"),
         (shock(json!({ "peak_n": 3, "at_s": 1 })), "/shock/duration_s", "required"),
-        (json!([{ "on": "shaft", "direction": "y", "constant_n": 1 }]), "/on", "unknown variant"),
+        (json!([{ "on": "shaft", "direction": "y", "constant_n": 1 }]), "/on", "has no `shaft`"),
+        (json!([{ "at_mm": 3, "direction": "y", "constant_n": 1 }]), "/at_mm", "only a `shaft` has places"),
+        (json!([{ "on": "housing", "direction": "y", "constant_n": 1 }]), "/on", "unknown variant"),
     ];
     for (loads, field, words) in cases {
         let found = errors(loads.clone());

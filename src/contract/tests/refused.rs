@@ -228,7 +228,7 @@ fn impossible_jobs_are_refused() {
         (
             job(r#""solver":{"fixed_step_us":1}"#),
             "/solver/fixed_step_us",
-            "goes with the methods `fine_abm`, `dormand_prince`, not with `auto`",
+            "goes with the methods `fine_abm`, `dormand_prince`, and with the rungs `radially_condensed` and `spindle_only`, not with `auto`",
         ),
         (job(r#""solver":{"method":"gear","fixed_step_us":1}"#), "/solver/fixed_step_us", "not with `gear`"),
         (job(r#""solver":{"method":"dormand_prince","fixed_step_us":0}"#), "/solver/fixed_step_us", "0 µs"),

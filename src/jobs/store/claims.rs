@@ -15,6 +15,7 @@ use super::results::{self, StoredResult};
 use super::sealed_request::{SEALED_REQUEST, SealedRequest};
 use super::statement::statement;
 use super::stored_time::{expiry, stored};
+use crate::contract::JobKind;
 use crate::jobs::error::JobError;
 use crate::jobs::job::{Failure, JobRecord, NewJob, Status};
 
@@ -67,7 +68,7 @@ impl End {
     /// The metrics of a succeeded simulation, as JSON text.
     pub fn into_metrics(self) -> Option<String> {
         match self {
-            Self::Succeeded(StoredResult::Simulation { metrics, .. }) => Some(metrics.content),
+            Self::Succeeded(StoredResult::Run { kind: JobKind::Simulation, metrics, .. }) => Some(metrics.content),
             _ => None,
         }
     }

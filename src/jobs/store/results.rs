@@ -26,18 +26,13 @@ use crate::jobs::job::Status;
 /// A result as it is written. It is prepared outside any transaction, because compression and digests take time.
 #[derive(Debug)]
 pub enum StoredResult {
-    /// Metrics, signals by channel, chunks of the series, and the data of the plots.
-    Simulation {
+    /// Of a simulation or a machine: metrics, signals by channel, chunks of the series, and the data of the plots.
+    Run {
+        kind: JobKind,
         metrics: Sealed<String>,
         signals: Signals,
         chunks: RecordedChunks,
         views: Option<Sealed<Vec<u8>>>,
-    },
-    /// Metrics, and signals by channel.
-    Machine {
-        result: Uuid,
-        metrics: Sealed<String>,
-        signals: Signals,
     },
     Report(Uuid, Sealed<Vec<u8>>),
 }
@@ -50,15 +45,15 @@ impl StoredResult {
             Outcome::Accuracy(answer) => Self::of_report(chunks.result, answer),
             Outcome::Optimum(answer) => Self::of_report(chunks.result, answer),
             Outcome::Rotor(answer) => Self::of_report(chunks.result, answer),
-            Outcome::Machine(outcome) => Self::of_machine(chunks.result, outcome),
+            Outcome::Machine(outcome) => Self::of_machine(outcome, chunks),
         }
     }
 
     /// Id of the result.
     pub fn id(&self) -> Uuid {
         match self {
-            Self::Simulation { chunks, .. } => chunks.result,
-            Self::Machine { result, .. } | Self::Report(result, _) => *result,
+            Self::Run { chunks, .. } => chunks.result,
+            Self::Report(result, _) => *result,
         }
     }
 
@@ -66,9 +61,13 @@ impl StoredResult {
         Ok(Self::Report(result, sealed(&Place::of_result(result, REPORT), answer)?))
     }
 
-    fn of_machine(result: Uuid, outcome: &MachineOutcome) -> Result<Self, JobError> {
+    fn of_machine(outcome: &MachineOutcome, chunks: RecordedChunks) -> Result<Self, JobError> {
+        let result = chunks.result;
         let metrics = sealed_metrics(result, &outcome.answer)?;
-        Ok(Self::Machine { result, metrics, signals: spectra_of(result, &outcome.spectra)? })
+        let heads = outcome.series.iter().map(|series| series.head.clone());
+        let series = heads.enumerate().map(|(number, head)| series_signal(result, &StoredHead::new(head, number)));
+        let signals = [spectra_of(result, &outcome.spectra)?, series.collect::<Result<_, _>>()?].concat();
+        Ok(Self::Run { kind: JobKind::Machine, metrics, signals, chunks, views: None })
     }
 
     fn of_simulation(outcome: &Simulated, chunks: RecordedChunks) -> Result<Self, JobError> {
@@ -83,7 +82,7 @@ impl StoredResult {
             || (spectra_of(result, behind), series_of(result, outcome), json()),
         );
         let signals = [ahead?, behind?, series?].concat();
-        Ok(Self::Simulation { metrics: metrics?, signals, chunks, views: views? })
+        Ok(Self::Run { kind: JobKind::Simulation, metrics: metrics?, signals, chunks, views: views? })
     }
 }
 
@@ -137,11 +136,8 @@ pub(super) fn insertion(id: Uuid, result: &StoredResult, provided: &str) -> Vec<
         insert(&format!("{table} (result_id, answer, digest)")).bind(&answer.content).bind(answer.digest.as_deref())
     };
     match result {
-        StoredResult::Machine { metrics, signals, .. } => {
-            vec![of_metrics(metrics), insertion_of_signals(id, signals, provided)]
-        }
         StoredResult::Report(_, answer) => vec![of_metrics(&no_metrics(id)), of_answer("reports", answer)],
-        StoredResult::Simulation { metrics, signals, chunks, views } => {
+        StoredResult::Run { metrics, signals, chunks, views, .. } => {
             let mut statements = vec![of_metrics(metrics)];
             if !signals.is_empty() {
                 statements.push(insertion_of_signals(id, signals, provided));

@@ -50,13 +50,18 @@ impl BearingOnShaft {
 
 /// Balls and cage of each bearing, with the terms that its load about the operating point needs.
 pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOnShaft>, MachineError> {
+    let changes = machine.rotor.loads.iter().map(|load| load.start_and_largest_change().1);
+    let most = changes.fold([0.0; 3], |sum, change| std::array::from_fn(|axis| sum[axis] + change[axis]));
     let mut bearings = Vec::with_capacity(machine.bearings.len());
     for (index, (moving, placed)) in machine.bearings.iter().zip(&machine.rotor.bearings).enumerate() {
         let [x, y, z, _, _] = frame.system.operating[0].rings[index].wrench;
         let mut scene = moving.scene.clone();
         scene.operation.speed = machine.speed.clone();
-        // The shaft presses with the opposite of what the balls exert.
-        scene.operation.load = [-x, -y, -z];
+        // The shaft presses with the opposite of what the balls exert, and with all that may be added to it.
+        scene.operation.load = std::array::from_fn(|axis| {
+            let load = -[x, y, z][axis];
+            load + most[axis].copysign(load)
+        });
         scene.operation.misalignment = [0.0; 2];
         scene.gravity = machine.rotor.gravity;
         scene.spindle.axial = AxialHold::Free;

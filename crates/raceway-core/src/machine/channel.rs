@@ -18,6 +18,8 @@ pub enum MachineChannel {
     /// Moment of the shaft on a bearing.
     Moment(usize, Axis),
     CageSpeed(usize),
+    /// Spin of ball 1 about the axis of its bearing, as seen from the cage.
+    BallSpin(usize),
     Sensor(usize, Motion),
 }
 
@@ -33,7 +35,7 @@ impl MachineChannel {
             channels.extend(moved.chain(RADIAL.map(|axis| Self::Tilt(bearing, axis))));
             channels.extend(along.iter().map(|axis| Self::Force(bearing, *axis)));
             channels.extend(RADIAL.map(|axis| Self::Moment(bearing, axis)));
-            channels.push(Self::CageSpeed(bearing));
+            channels.extend([Self::CageSpeed(bearing), Self::BallSpin(bearing)]);
         }
         let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
         channels
@@ -51,6 +53,19 @@ impl MachineChannel {
         Named { channel: *self, machine }
     }
 
+    /// Number of its bearing or of its sensor.
+    pub fn source(&self) -> usize {
+        match *self {
+            Self::Ring(index, ..)
+            | Self::Tilt(index, _)
+            | Self::Force(index, _)
+            | Self::Moment(index, _)
+            | Self::CageSpeed(index)
+            | Self::BallSpin(index)
+            | Self::Sensor(index, _) => index,
+        }
+    }
+
     pub fn is_acceleration(&self) -> bool {
         matches!(self, Self::Ring(_, _, Motion::Acceleration) | Self::Sensor(_, Motion::Acceleration))
     }
@@ -66,7 +81,7 @@ impl MachineChannel {
             Self::Tilt(..) => "mrad",
             Self::Force(..) => "N",
             Self::Moment(..) => "N m",
-            Self::CageSpeed(_) => "Hz",
+            Self::CageSpeed(_) | Self::BallSpin(_) => "Hz",
         }
     }
 
@@ -80,7 +95,7 @@ impl MachineChannel {
             },
             Self::Tilt(..) => 1e3,
             Self::Force(..) | Self::Moment(..) => 1.0,
-            Self::CageSpeed(_) => 1.0 / TAU,
+            Self::CageSpeed(_) | Self::BallSpin(_) => 1.0 / TAU,
         }
     }
 }
@@ -105,6 +120,7 @@ impl fmt::Display for Named<'_> {
             MachineChannel::Force(index, axis) => write!(f, "{}.force.{axis}", bearing(index)),
             MachineChannel::Moment(index, axis) => write!(f, "{}.moment.{axis}", bearing(index)),
             MachineChannel::CageSpeed(index) => write!(f, "{}.cage.speed", bearing(index)),
+            MachineChannel::BallSpin(index) => write!(f, "{}.ball.1.spin", bearing(index)),
             MachineChannel::Sensor(index, of) => {
                 write!(f, "sensor.{}.{}", self.machine.sensors[index].name, motion(of))
             }

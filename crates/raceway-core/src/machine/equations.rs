@@ -5,6 +5,7 @@ use super::frame::Frame;
 use super::input::{Machine, MachineError};
 use crate::numerics::ode::OdeSystem;
 use crate::physics::operation::SpeedProfile;
+use crate::rotor::input::rising;
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::dynamics::on_ring::RingLoad;
 use crate::simulation::model::state::SpindleState;
@@ -69,7 +70,7 @@ impl MachineDynamics {
         let (of_bearings, of_frame) = rates.split_at_mut(split);
         let (of_place, of_velocity) = of_frame.split_at_mut(self.frame.len());
         of_place.copy_from_slice(velocity);
-        self.frame.forces(self.speed.at(time), place, velocity, of_velocity);
+        self.frame.forces(time, self.speed.at(time), place, velocity, of_velocity);
         for (k, rate) in of_velocity.iter_mut().enumerate() {
             *rate -= self.frame.damping[k] * velocity[k] + self.frame.squares[k] * place[k];
         }
@@ -85,6 +86,11 @@ impl MachineDynamics {
             rest = others;
         }
         Loads { rings }
+    }
+
+    /// Times after 0 at which a load or the speed has a kink, rising [s].
+    pub fn kinks(&self) -> Vec<f64> {
+        rising(self.frame.kinks().chain(self.speed.kinks()).filter(|time| *time > 0.0).collect())
     }
 
     /// Torque of the drive on the shaft that balances the bearings [N m].

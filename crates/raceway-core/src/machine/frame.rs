@@ -6,9 +6,10 @@ use super::input::{Machine, MachineError};
 use crate::numerics::lanes::LANES;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
+use crate::physics::loads::{Load, VaryingLoads};
 use crate::physics::spindle::unbalance_force;
 use crate::rotor::coordinates::Coordinates;
-use crate::rotor::input::Rotor;
+use crate::rotor::input::{Rotor, rising};
 use crate::rotor::system::System;
 use crate::simulation::recording::sampling::BAND;
 
@@ -36,6 +37,7 @@ pub struct Frame {
     /// Constant loads, weight included.
     load: Vec<f64>,
     planes: Vec<Plane>,
+    loaded: Vec<LoadedPlace>,
     /// Linear analysis about the operating point, and its coordinates over those of the frame.
     pub system: System,
     basis: DMatrix<f64>,
@@ -55,6 +57,13 @@ struct Coupling {
 /// Rows of a matrix, each from its first entry to its last one that is not zero.
 #[derive(Debug, Clone)]
 struct Rest(Vec<(usize, Vec<f64>)>);
+
+/// A place of the shaft, and the changes of its loads since the start.
+#[derive(Debug, Clone)]
+struct LoadedPlace {
+    rows: Rows,
+    varying: VaryingLoads,
+}
 
 /// Forces of an unbalance along Y and Z over the coordinates, by 1 N.
 #[derive(Debug, Clone)]
@@ -116,6 +125,7 @@ impl Frame {
             sensors: machine.sensors.iter().map(|sensor| rows(sensor.at)).collect(),
             load: over(system.load(rotor).iter().copied().collect()),
             planes: planes.collect(),
+            loaded: loaded(rotor, machine.speed.largest(), rows),
             squares,
             damping: own_damping,
             system,
@@ -137,16 +147,20 @@ impl Frame {
         (self.basis.transpose() * coordinates).iter().copied().collect()
     }
 
-    /// Writes g: loads, unbalance and what couples coordinates, at an angle, speed and acceleration of the shaft.
+    /// Writes g: loads, unbalance and what couples coordinates, at a time and an angle, speed and acceleration of the shaft.
     #[inline(always)]
     pub fn forces(
         &self,
+        time: f64,
         (angle, speed, acceleration): (f64, f64, f64),
         place: &[f64],
         velocity: &[f64],
         forces: &mut [f64],
     ) {
         forces.copy_from_slice(&self.load);
+        for LoadedPlace { rows, varying } in &self.loaded {
+            rows.add_forces(&varying.at(time, angle), forces);
+        }
         for Plane { product, phase, along: [along_y, along_z] } in &self.planes {
             let [_, y, z] = unbalance_force(*product, angle + phase, speed, acceleration);
             for ((force, by_y), by_z) in forces.iter_mut().zip(along_y).zip(along_z) {
@@ -157,7 +171,17 @@ impl Frame {
         self.place.subtract(speed, place, forces);
     }
 
-    /// Energy of the coordinates [J], loads included; moments of a turning shaft do no work.
+    /// Times at which the slope of a load jumps [s], in no order.
+    pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
+        self.loaded.iter().flat_map(|place| place.varying.kinks())
+    }
+
+    /// Longest step that resolves the loads from a time on [s].
+    pub fn longest_step_from(&self, time: f64) -> f64 {
+        self.loaded.iter().map(|place| place.varying.longest_step_from(time)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Energy of the coordinates [J], loads at the start included; moments of a turning shaft do no work.
     pub fn energy(&self, place: &[f64], velocity: &[f64]) -> f64 {
         let of = |k: usize| {
             0.5 * (velocity[k] * velocity[k] + self.squares[k] * place[k] * place[k]) - self.load[k] * place[k]
@@ -245,6 +269,16 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
+/// The loads that vary, by their place.
+fn loaded(rotor: &Rotor, largest_speed: f64, rows: impl Fn(f64) -> Rows) -> Vec<LoadedPlace> {
+    let of_place = |at: f64| {
+        let here = rotor.loads.iter().filter(|load| load.at == at).map(|load| load.load.clone());
+        let varying = VaryingLoads::of(&here.collect::<Vec<Load>>(), largest_speed)?;
+        Some(LoadedPlace { rows: rows(at), varying })
+    };
+    rising(rotor.loads.iter().map(|load| load.at).collect()).into_iter().filter_map(of_place).collect()
+}
+
 /// A mesh on which the free modes up to an angular frequency [rad/s] have converged, and their number in each plane.
 fn mesh(machine: &Machine, highest: f64, stop: &dyn Fn() -> bool) -> Result<(Mesh, usize), MachineError> {
     let mut longest = machine.rotor.shaft.length() / FIRST_ELEMENTS;
@@ -291,13 +325,6 @@ fn free_modes(
 
 /// Places of the shaft at which something acts or is measured, rising [m].
 fn stations(machine: &Machine) -> Vec<f64> {
-    let rotor = &machine.rotor;
-    let discs = rotor.shaft.discs.iter().map(|disc| disc.at);
-    let planes = rotor.unbalances.iter().map(|plane| plane.at);
-    let held = rotor.supports.iter().map(|support| support.at).chain(rotor.bearings.iter().map(|bearing| bearing.at));
-    let mut places: Vec<f64> =
-        discs.chain(planes).chain(held).chain(machine.sensors.iter().map(|sensor| sensor.at)).collect();
-    places.sort_by(f64::total_cmp);
-    places.dedup();
-    places
+    let measured = machine.sensors.iter().map(|sensor| sensor.at);
+    rising(machine.rotor.places().into_iter().chain(measured).collect())
 }

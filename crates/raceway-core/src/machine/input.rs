@@ -1,5 +1,7 @@
 //! Input of a machine: a shaft, its bearings with all that moves in them, and sensors.
 
+use std::f64::consts::TAU;
+
 use crate::physics::operation::SpeedProfile;
 use crate::rotor::input::{Rotor, RotorError};
 use crate::simulation::input::channel::Axis;
@@ -37,24 +39,6 @@ pub struct Sensor {
     pub axis: Axis,
 }
 
-/// Accuracy and times of a run.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MachineSettings {
-    /// Time before the record [s]; `None`: until the slowest motion of the linear analysis has decayed to a fiftieth, and three turns of the
-    /// slowest cage.
-    pub settle: Option<f64>,
-    /// Recorded time [s].
-    pub duration: f64,
-    /// Step [s]; `None`: the longest of the bearings.
-    pub step: Option<f64>,
-    /// Highest frequency of the kept free modes over the band of the levels [-].
-    pub range: f64,
-}
-
-/// Highest frequency of the kept free modes over the band of the levels [-]. With the static answers of the rest, accelerations at a bearing's
-/// place are then within 0.001 dB of those of all modes (a bar of 300 mm on two bearings).
-pub const RANGE: f64 = 1.5;
-
 /// Reason why a run has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MachineError {
@@ -65,13 +49,18 @@ pub enum MachineError {
     /// The motion has left every physical range.
     #[error("the motion diverges at t = {time:.6} s; {cause}")]
     Diverged { time: f64, cause: &'static str },
-    /// A motion grows by itself, so that levels would depend on the recorded time.
-    #[error("a motion grows by {rate:.3} 1/s at the operating speed: {cause}")]
-    Grows { rate: f64, cause: &'static str },
+    /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does.
+    #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
+    Grows { rate: f64, speeds: [f64; 2], cause: &'static str },
     /// More modes of the shaft lie in the range than a run can carry.
     #[error("the shaft has more than {0} modes in the range; give a lower mode_range")]
     TooManyModes(usize),
     /// The caller no longer wants the result.
     #[error("stopped at t = {0:.6} s")]
     Stopped(f64),
+}
+
+fn at_speeds(speeds: &[f64; 2]) -> String {
+    let [from, to] = speeds.map(|speed| 60.0 * speed / TAU);
+    if from == to { format!("at {from:.0} r/min") } else { format!("between {from:.0} and {to:.0} r/min") }
 }

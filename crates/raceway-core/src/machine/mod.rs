@@ -7,11 +7,14 @@ pub mod channel;
 pub mod input;
 pub mod result;
 pub mod run;
+pub mod settings;
 
 pub mod bearing;
 pub mod equations;
 pub mod frame;
 pub mod start;
+
+mod growth;
 
 pub(crate) mod propagator;
 pub(crate) mod stepping;

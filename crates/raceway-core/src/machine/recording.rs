@@ -8,7 +8,7 @@ use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
 use crate::numerics::lanes::{InstructionSet, Task};
-use crate::physics::frames::length;
+use crate::physics::frames::{Vector, length};
 use crate::simulation::input::channel::{Axis, Motion};
 use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::recording::sampling::{RATE, kept_values};
@@ -164,6 +164,9 @@ impl<'m> Recorder<'m> {
                 MachineChannel::CageSpeed(bearing) => {
                     cage_speed(dynamics, bearing, stepper.bearings()[bearing].state(), speed)
                 }
+                MachineChannel::BallSpin(bearing) => {
+                    spin(dynamics, bearing, stepper.bearings()[bearing].state(), 0, speed)[0]
+                }
                 MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor] as usize],
             };
         }
@@ -174,7 +177,7 @@ impl<'m> Recorder<'m> {
         for (index, (record, of)) in self.bearings.iter_mut().zip(stepper.bearings()).enumerate() {
             let m = self.dynamics.bearings[index].dynamics.mechanism();
             let loads = PackedStepLoads(of.step_loads());
-            let mut spin = 0.0;
+            let mut spin_sum = 0.0;
             for ball in 0..m.layout.balls {
                 let now = loads.of(ball);
                 record.inner_load = record.inner_load.max(now.load.inner);
@@ -186,15 +189,12 @@ impl<'m> Recorder<'m> {
                         record.slip = record.slip.max(square.sqrt());
                     }
                 }
-                let state = m.layout.ball(of.state(), ball);
-                let about_x =
-                    (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
-                spin += length([about_x, state.spin[1], state.spin[2]]) / m.layout.balls as f64;
+                spin_sum += length(spin(self.dynamics, index, of.state(), ball, speed)) / m.layout.balls as f64;
             }
             record.steps += 1.0;
             record.cage_speed +=
                 (cage_speed(self.dynamics, index, of.state(), speed) - record.cage_speed) / record.steps;
-            record.ball_spin += (spin - record.ball_spin) / record.steps;
+            record.ball_spin += (spin_sum - record.ball_spin) / record.steps;
         }
     }
 
@@ -253,4 +253,12 @@ fn cage_speed(dynamics: &MachineDynamics, bearing: usize, state: &[f64], speed: 
         false => (0..balls).map(|ball| m.layout.ball(state, ball).arc_velocity).sum::<f64>() / balls as f64,
     };
     m.orbit_ratio * speed + arc_velocity / m.pitch_radius
+}
+
+/// Spin of a ball in the orbit frame [rad/s].
+fn spin(dynamics: &MachineDynamics, bearing: usize, state: &[f64], ball: usize, speed: f64) -> Vector {
+    let m = dynamics.bearings[bearing].dynamics.mechanism();
+    let state = m.layout.ball(state, ball);
+    let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
+    [about_x, state.spin[1], state.spin[2]]
 }

@@ -9,6 +9,7 @@ use super::recording::{BearingRecord, MachineRecording};
 use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
 use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_orbit_ratio, with_cage_speed};
+use crate::physics::operation::SpeedProfile;
 use crate::simulation::input::settings::ENVELOPE_BAND;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::sampling::{BAND, RATE};
@@ -20,6 +21,8 @@ use crate::simulation::result::metrics::level_db;
 #[derive(Debug, Clone)]
 pub struct MachineResult {
     pub channels: Vec<(MachineChannel, SignalMetrics)>,
+    /// Values of the kept signals.
+    pub series: Vec<(MachineChannel, Vec<f64>)>,
     /// Spectra of the accelerations and of their envelopes.
     pub spectra: Vec<SignalSpectra>,
     pub bearings: Vec<BearingMetrics>,
@@ -31,7 +34,7 @@ pub struct MachineResult {
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
-    /// Growth rate of the linear analysis at the operating speed [1/s]; negative: all motions decay.
+    /// Growth rate of the linear analysis at the first speed [1/s]; negative: all motions decay.
     pub growth_rate: Option<f64>,
 }
 
@@ -86,6 +89,7 @@ impl MachineResult {
         machine: &Machine,
         dynamics: &MachineDynamics,
         recording: MachineRecording,
+        series: &[MachineChannel],
         accuracy: Accuracy,
     ) -> Self {
         let bearings: Vec<BearingMetrics> = bearings(machine, dynamics, &recording);
@@ -96,6 +100,7 @@ impl MachineResult {
         let natural = system.oscillations(speed).unwrap_or_default().into_iter().map(|oscillation| oscillation.value);
         Self {
             channels: channels.collect(),
+            series: series.iter().map(|channel| (*channel, in_unit(*channel, recording.of(*channel)))).collect(),
             spectra: accelerations.map(|(channel, values)| spectra(*channel, values, machine, &bearings)).collect(),
             natural_frequencies: natural
                 .map(|value| (value.im / TAU, -value.re / value.norm()))
@@ -128,7 +133,7 @@ fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
 }
 
 fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRecording) -> Vec<BearingMetrics> {
-    let (_, shaft_speed, _) = dynamics.speed.at(recording.start);
+    let shaft_speed = mean_speed(&dynamics.speed, recording);
     let turns = |speed: f64| speed.abs() / TAU;
     let of = |(bearing, record): (&MachineBearing, &BearingRecord)| {
         let geometry = &bearing.scene.bearing;
@@ -141,14 +146,28 @@ fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRe
                 turns(record.cage_speed),
                 turns(record.ball_spin),
             ),
-            cage_slip: (ideal > 0.0).then(|| 1.0 - record.cage_speed.abs() / ideal),
+            cage_slip: (ideal > 0.0 && !dynamics.speed.reverses()).then(|| 1.0 - record.cage_speed.abs() / ideal),
         }
     };
     machine.bearings.iter().zip(&recording.bearings).map(of).collect()
 }
 
+/// Mean speed of the shaft over the recorded time [rad/s].
+fn mean_speed(speed: &SpeedProfile, recording: &MachineRecording) -> f64 {
+    let (start, duration) = (recording.start, recording.signals[0].1.len() as f64 / RATE);
+    match speed.is_constant() {
+        true => speed.at(start).1,
+        false => (speed.at(start + duration).0 - speed.at(start).0) / duration,
+    }
+}
+
+/// Values in the unit of a channel.
+fn in_unit(channel: MachineChannel, values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| channel.scale() * value).collect()
+}
+
 fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings: &[BearingMetrics]) -> SignalSpectra {
-    let scaled: Vec<f64> = values.iter().map(|value| channel.scale() * value).collect();
+    let scaled = in_unit(channel, values);
     let (amplitude, envelope) = amplitude_and_envelope(&scaled, RATE, ENVELOPE_BAND, EnvelopeKind::Magnitude);
     let is_constant = machine.speed.is_constant();
     let lines = |spectrum: &Spectrum| if is_constant { labelled(spectrum, machine, bearings) } else { Vec::new() };
@@ -157,6 +176,8 @@ fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings:
 
 /// Lines labelled by the bearing whose combination lies nearest; labels of balls and cages name it, as `BPFO@A`.
 fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics]) -> Vec<Line> {
+    let harmonics = machine.rotor.loads.iter().filter_map(|load| load.load.harmonic());
+    let loads: Vec<f64> = harmonics.map(|harmonic| harmonic.frequency(machine.rotor.speed)).collect();
     let mut best: Vec<Line> = Vec::new();
     for (bearing, metrics) in machine.bearings.iter().zip(bearings) {
         let surfaces = &bearing.scene.surfaces;
@@ -168,7 +189,7 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
             uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
             odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
             unequal_balls: bearing.scene.has_unequal_balls(),
-            loads: &[],
+            loads: &loads,
         };
         let found = find_lines(spectrum, &sources, BAND).into_iter().map(|line| named(line, &bearing.name));
         if best.is_empty() {

@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineError, MachineSettings};
+use super::growth::check_growth;
+use super::input::{Machine, MachineError};
 use super::recording::{MachineRecording, Recorder};
 use super::result::{Accuracy, MachineResult};
+use super::settings::MachineSettings;
 use super::start::start_state;
-use super::stepping::MachineStepper;
+use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::statistics::rms;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
@@ -43,12 +45,12 @@ pub fn simulate(
     if (control.stop)() {
         return Err(MachineError::Stopped(0.0));
     }
-    check_growth(machine, &dynamics, settings.duration)?;
-    let start = start_state(machine, &dynamics)?;
     let settle = settings.settle.unwrap_or_else(|| settling_time(&dynamics));
+    check_growth(machine, &dynamics, settle, settings.duration)?;
+    let start = start_state(machine, &dynamics)?;
     let run = Run { machine, dynamics: &dynamics, start: &start, settle };
-    let mut step = settings.step.unwrap_or_else(|| first_step(&dynamics));
-    let may_shorten = |step: f64| settings.step.is_none() && 0.5 * step >= SHORTEST;
+    let mut step = StepLength { longest: settings.step.unwrap_or_else(|| first_step(&dynamics)), share: 1.0 };
+    let may_shorten = |step: StepLength| settings.step.is_none() && step.halved().full() >= SHORTEST;
     let mut work = 0;
     let window = settings.duration.min(REPEATED);
     loop {
@@ -56,20 +58,20 @@ pub fn simulate(
             control.part((0.0, RUN_SHARE), |control| run.record(settings.duration, step, control, &mut work));
         let recording = match recorded {
             Err(MachineError::Diverged { .. }) if may_shorten(step) => {
-                step *= 0.5;
+                step = step.halved();
                 continue;
             }
             recorded => recorded?,
         };
-        let again = control.part((RUN_SHARE, 1.0), |control| run.record(window, 0.5 * step, control, &mut work))?;
+        let again = control.part((RUN_SHARE, 1.0), |control| run.record(window, step.halved(), control, &mut work))?;
         let errors: Vec<_> = level_errors(&recording, &again);
         let worst = errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
         if worst > ALLOWED_DB && may_shorten(step) {
-            step *= 0.5;
+            step = step.halved();
             continue;
         }
-        let accuracy = Accuracy { step, window, errors, evaluations: work };
-        return Ok(MachineResult::of(machine, &dynamics, recording, accuracy));
+        let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work };
+        return Ok(MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy));
     }
 }
 
@@ -86,11 +88,11 @@ impl Run<'_> {
     fn record(
         &self,
         duration: f64,
-        step: f64,
+        step: StepLength,
         control: &Control<'_>,
         work: &mut u64,
     ) -> Result<MachineRecording, MachineError> {
-        let mut recorder = Recorder::new(self.machine, self.dynamics, self.settle, duration, step);
+        let mut recorder = Recorder::new(self.machine, self.dynamics, self.settle, duration, step.full());
         let mut stepper = MachineStepper::new(self.dynamics, 0.0, self.start, step);
         let (mut steps, end) = (0_u64, recorder.end());
         while !recorder.is_full() {
@@ -128,21 +130,6 @@ impl Run<'_> {
         };
         Err(MachineError::Diverged { time: stepper.time(), cause })
     }
-}
-
-/// Refuses a motion of the linear analysis that would raise a level by more than the allowed error over the recorded time.
-fn check_growth(machine: &Machine, dynamics: &MachineDynamics, duration: f64) -> Result<(), MachineError> {
-    // Loose bearings have no linear motion.
-    let Ok(rate) = dynamics.frame.system.growth_rate(dynamics.speed.at(0.0).1) else { return Ok(()) };
-    if 20.0 * std::f64::consts::LOG10_E * rate * duration <= ALLOWED_DB {
-        return Ok(());
-    }
-    let turns_along = machine.rotor.shaft.rotating_share > 0.0;
-    let cause = match turns_along {
-        true => "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)",
-        false => "a support pushes it (`supports`)",
-    };
-    Err(MachineError::Grows { rate, cause })
 }
 
 /// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times [s]. The run starts near its

@@ -1,30 +1,32 @@
 //! The state that a run starts from.
 
-use nalgebra::{Complex, DVector};
-
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineError};
-use crate::rotor::unbalance::response;
+use crate::rotor::deflection::deflection;
+use crate::rotor::response::{of_load, of_unbalance};
 use crate::simulation::model::equilibrium::on_ring;
 use crate::simulation::model::state::{BallState, SpindleState};
 
-/// The shaft at its operating point, moving as its unbalance and linear bearings make it; balls in equilibrium at the place of their ring, in
-/// ideal rolling.
+/// The shaft at its operating point, moving as unbalance and harmonic loads make it on linear bearings; balls in equilibrium at the place of
+/// their ring, in ideal rolling.
 pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<f64>, MachineError> {
     let frame = &dynamics.frame;
-    let operating = &frame.system.operating[0];
+    let rest = deflection(&frame.system, &machine.rotor)?;
     let speed = machine.rotor.speed;
-    let whirl = response(&frame.system, &machine.rotor.unbalances, speed);
-    let (angle, _, _) = dynamics.speed.at(0.0);
-    let turned = whirl.map(|value| value * Complex::from_polar(1.0, angle));
-    let place = frame.from_analysis(&(&operating.coordinates + turned.map(|value| value.re)));
-    let velocity =
-        frame.from_analysis(&DVector::from_iterator(turned.len(), turned.iter().map(|value| -speed * value.im)));
+    // At time 0 the shaft has turned by no angle.
+    let whirl = of_unbalance(&frame.system, &machine.rotor.unbalances, speed);
+    let mut place = rest + whirl.map(|value| value.re);
+    let mut velocity = whirl.map(|value| -speed * value.im);
+    for (amplitude, frequency) in machine.rotor.loads.iter().filter_map(|load| of_load(&frame.system, load, speed)) {
+        place += amplitude.map(|value| value.re);
+        velocity -= amplitude.map(|value| frequency * value.im);
+    }
+    let (place, velocity) = (frame.from_analysis(&place), frame.from_analysis(&velocity));
     let mut state = Vec::new();
     for (index, bearing) in dynamics.bearings.iter().enumerate() {
         let SpindleState { position: [x, y, z], tilt: [about_y, about_z], .. } =
             dynamics.ring(index, &place, &velocity);
-        let force = operating.rings[index].largest_loads.iter().copied().fold(0.0, f64::max);
+        let force = frame.system.operating[0].rings[index].largest_loads.iter().copied().fold(0.0, f64::max);
         let mechanism = bearing.dynamics.mechanism();
         let rest = on_ring(mechanism, speed, [x, y, z, about_y, about_z], force)
             .map_err(|source| MachineError::Bearing { bearing: index, source })?;

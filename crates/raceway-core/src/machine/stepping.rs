@@ -4,6 +4,8 @@
 //! under forces that follow the parabola through three nodes. The new node is extrapolated first. After the evaluation f̂ there, with
 //! the compliances H of the new node and the resistances K, C of the balls, (1 + K H_q + C H_v) Δf = f̂ − f corrects it implicitly.
 //! The past is kept as forces at the ports: increments of the coordinates' forces would let rounding grow.
+//!
+//! A step ends at each kink of a load or of the speed. Short steps build the past of the steps after it.
 
 use super::equations::MachineDynamics;
 use super::propagator::{NODES, Propagator};
@@ -31,10 +33,53 @@ struct Forces {
     sum: Vec<f64>,
 }
 
+/// Length of steps: a share of the one that bearings and loads allow, so that half of the share halves every step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct StepLength {
+    /// Longest step of the bearings [s].
+    pub longest: f64,
+    /// [-]
+    pub share: f64,
+}
+
+impl StepLength {
+    /// Half of every step.
+    pub(crate) fn halved(self) -> Self {
+        Self { share: 0.5 * self.share, ..self }
+    }
+
+    /// Step where the loads need no shorter one [s].
+    pub(crate) fn full(self) -> f64 {
+        self.share * self.longest
+    }
+}
+
+/// Steps of one length, up to the next kink.
+#[derive(Debug, Clone, Copy)]
+struct Stretch {
+    end: f64,
+    /// Steps that are left.
+    left: u64,
+}
+
+/// Nodes at full distance while short steps build the past, oldest first.
+struct Past {
+    /// Of each bearing.
+    bearings: Vec<Vec<RingNode>>,
+    forces: Vec<Forces>,
+}
+
 /// A machine between two steps.
 pub(crate) struct MachineStepper<'m> {
     dynamics: &'m MachineDynamics,
     bearings: Vec<RingStepper<'m>>,
+    length: StepLength,
+    kinks: Vec<f64>,
+    stretch: Stretch,
+    /// `Some` in the first steps of a stretch.
+    start: Option<Past>,
+    /// Full step of the stretch, and the present one.
+    full_step: f64,
     step: f64,
     time: f64,
     place: Vec<f64>,
@@ -81,8 +126,8 @@ impl Formulas {
 }
 
 impl<'m> MachineStepper<'m> {
-    /// Starts at a state. Short steps of rising order build the past of the first long one.
-    pub(crate) fn new(dynamics: &'m MachineDynamics, time: f64, state: &[f64], step: f64) -> Self {
+    /// Starts at a state.
+    pub(crate) fn new(dynamics: &'m MachineDynamics, time: f64, state: &[f64], length: StepLength) -> Self {
         let size = dynamics.frame.len();
         let (place, velocity) = dynamics.coordinates(state);
         let ring = |(index, part): (usize, &[f64])| {
@@ -92,50 +137,87 @@ impl<'m> MachineStepper<'m> {
         let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
         let on_shaft = dynamics.bearings.iter().zip(&loads.rings).flat_map(|(bearing, load)| bearing.on_shaft(load));
         let mut forces = Forces { ports: on_shaft.collect(), rest: vec![0.0; size], sum: Vec::new() };
-        dynamics.frame.forces(dynamics.speed.at(time), place, velocity, &mut forces.rest);
+        dynamics.frame.forces(time, dynamics.speed.at(time), place, velocity, &mut forces.rest);
         forces.add_up(dynamics);
         let mut stepper = Self {
             bearings: dynamics.parts(state).into_iter().enumerate().map(ring).collect(),
-            step: step / START as f64,
+            length,
+            kinks: dynamics.kinks(),
+            stretch: Stretch { end: time, left: 0 },
+            start: None,
+            full_step: length.longest,
+            step: length.longest,
             time,
             place: place.to_vec(),
             velocity: velocity.to_vec(),
             acceleration: rates[rates.len() - size..].to_vec(),
             past: std::array::from_fn(|_| forces.clone()),
             known: 1,
-            formulas: Formulas::new(dynamics, step / START as f64, 1),
+            formulas: Formulas::new(dynamics, length.longest, 1),
             evaluations: 1,
             instructions: InstructionSet::best(),
             dynamics,
         };
-        stepper.build_past(step);
+        stepper.begin_stretch();
         stepper
     }
 
-    fn build_past(&mut self, step: f64) {
-        self.bearings.iter_mut().for_each(RingStepper::begin);
-        let mut nodes: Vec<Vec<RingNode>> = self.bearings.iter().map(|_| Vec::new()).collect();
-        let mut forces = Vec::new();
-        for short in 0..(BEARING_NODES - 1) * START {
-            if short % START == 0 {
-                nodes.iter_mut().zip(&self.bearings).for_each(|(nodes, bearing)| nodes.push(bearing.node()));
-                forces.push(self.past[0].clone());
+    /// Begins again at the newest state, with steps that end at the next kink.
+    fn begin_stretch(&mut self) {
+        let from = self.time;
+        let limit = self.length.longest.min(self.dynamics.frame.longest_step_from(from));
+        let longest = self.length.share * limit;
+        (self.stretch, self.full_step) = match self.kinks.iter().find(|kink| **kink > from) {
+            None => (Stretch { end: f64::INFINITY, left: u64::MAX }, longest),
+            Some(&end) => {
+                let count = ((end - from) / longest).ceil().max(BEARING_NODES as f64);
+                (Stretch { end, left: count as u64 }, (end - from) / count)
             }
-            self.advance();
-        }
-        for (bearing, nodes) in self.bearings.iter_mut().zip(nodes) {
-            bearing.set_past(nodes.into_iter().rev().collect());
-        }
-        for (node, old) in self.past[1..].iter_mut().zip(forces.into_iter().rev()) {
-            *node = old;
-        }
-        self.step = step;
-        self.formulas = Formulas::new(self.dynamics, step, NODES);
+        };
+        // What follows the kink, not what leads to it.
+        let dynamics = self.dynamics;
+        let after = from.next_up();
+        let now = &mut self.past[0];
+        dynamics.frame.forces(after, dynamics.speed.at(after), &self.place, &self.velocity, &mut now.rest);
+        now.add_up(dynamics);
+        self.known = 1;
+        self.step = self.full_step / START as f64;
+        self.formulas = Formulas::new(dynamics, self.step, self.known);
+        self.bearings.iter_mut().for_each(RingStepper::begin);
+        self.start = Some(Past { bearings: self.bearings.iter().map(|_| Vec::new()).collect(), forces: Vec::new() });
     }
 
-    /// One step, compiled for the processor's instructions.
+    /// One step, the first of a stretch in short steps of rising order, compiled for the processor's instructions.
     pub(crate) fn advance(&mut self) {
-        self.instructions.run(Step(self));
+        match self.start.take() {
+            None => self.instructions.run(Step(self)),
+            Some(past) => self.advance_start(past),
+        }
+        self.stretch.left -= 1;
+        if self.stretch.left == 0 {
+            self.time = self.stretch.end;
+            self.begin_stretch();
+        }
+    }
+
+    fn advance_start(&mut self, mut past: Past) {
+        past.bearings.iter_mut().zip(&self.bearings).for_each(|(nodes, bearing)| nodes.push(bearing.node()));
+        past.forces.push(self.past[0].clone());
+        for _ in 0..START {
+            self.instructions.run(Step(self));
+        }
+        if past.forces.len() < BEARING_NODES - 1 {
+            self.start = Some(past);
+            return;
+        }
+        for (bearing, nodes) in self.bearings.iter_mut().zip(past.bearings) {
+            bearing.set_past(nodes.into_iter().rev().collect());
+        }
+        for (node, old) in self.past[1..].iter_mut().zip(past.forces.into_iter().rev()) {
+            *node = old;
+        }
+        self.step = self.full_step;
+        self.formulas = Formulas::new(self.dynamics, self.step, NODES);
     }
 
     #[inline(always)]
@@ -180,7 +262,7 @@ impl<'m> MachineStepper<'m> {
 
         // What couples coordinates, at the corrected motion.
         let dynamics = self.dynamics;
-        dynamics.frame.forces(dynamics.speed.at(end), &self.place, &self.velocity, &mut forces);
+        dynamics.frame.forces(end, dynamics.speed.at(end), &self.place, &self.velocity, &mut forces);
         let mut rest = forces.clone();
         forces.iter_mut().zip(&new.rest).for_each(|(force, foreseen)| *force -= foreseen);
         self.add(&forces);

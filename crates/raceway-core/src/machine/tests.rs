@@ -6,10 +6,11 @@ use nalgebra::DMatrix;
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineBearing, MachineSettings, RANGE, Sensor};
+use super::input::{Machine, MachineBearing, Sensor};
 use super::run::simulate;
+use super::settings::{MachineSettings, RANGE};
 use super::start::start_state;
-use super::stepping::MachineStepper;
+use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::ode::Method;
 use crate::numerics::ode::OdeSystem;
 use crate::numerics::ode::Tolerances;
@@ -28,7 +29,7 @@ use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
 use crate::rotor::analysis::analyse;
 use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
-use crate::simulation::input::channel::{Axis, BallContact};
+use crate::simulation::input::channel::{Axis, BallContact, Motion};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
@@ -36,6 +37,8 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
+
+mod loads;
 
 const RPM: f64 = PI / 30.0;
 
@@ -68,6 +71,7 @@ fn motor_spindle() -> Machine {
             speed: 6000.0 * RPM,
             gravity: 9.81,
             load: [0.0, 100.0, 0.0],
+            loads: Vec::new(),
         },
         bearings: [("A", 0.0), ("B", 2.4)]
             .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
@@ -224,7 +228,7 @@ fn slow_vibration_is_that_of_the_linear_analysis() {
 /// The motion of the shaft at each bearing after a time, in steps of a length.
 fn after(machine: &Machine, time: f64, step: f64) -> Vec<[f64; 5]> {
     let (dynamics, state) = started(machine);
-    let mut stepper = MachineStepper::new(&dynamics, 0.0, &state, step);
+    let mut stepper = MachineStepper::new(&dynamics, 0.0, &state, StepLength { longest: step, share: 1.0 });
     while stepper.time() < time - 0.5 * step {
         stepper.advance();
     }
@@ -355,7 +359,7 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
 fn a_run_shows_the_response_to_unbalance() {
     let mut machine = motor_spindle();
     machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
-    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE };
+    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE, series: Vec::new() };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
     let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4 };
     let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
@@ -384,7 +388,7 @@ fn whirl_that_its_damping_drives_ends_with_the_cause() {
     (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
     machine.rotor.speed = 60_000.0 * RPM;
     machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
-    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE };
+    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE, series: Vec::new() };
     let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
     assert!(error.contains("rotating_share"), "{error}");
 }

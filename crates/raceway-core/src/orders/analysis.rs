@@ -1,17 +1,16 @@
 //! The order analysis of a signal: mean order spectrum, and tracks of orders over speed.
 
-use super::rotations::{Combination, RotationCourse, Rotations};
+use super::rotations::{Combination, RotationCourse, SimulatedSpeeds};
 use super::settings::OrderSettings;
 use super::track::{OrderTracker, TrackPoint, beating};
 use super::waterfall::{OrderRows, Row};
 use crate::numerics::spectrum::Spectrum;
 
-/// A value of the analysed signal, with the simulated speeds of cage and ball [Hz] where there are such.
+/// A value of the analysed signal, with the simulated speeds in each bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Value {
+pub struct Value<'a> {
     pub signal: f64,
-    pub cage: Option<f64>,
-    pub ball: Option<f64>,
+    pub bearings: &'a [SimulatedSpeeds],
 }
 
 /// Result of an order analysis.
@@ -38,7 +37,6 @@ pub struct OrderAnalysis {
     tracker: OrderTracker,
     spectrum: Option<Spectrum>,
     points: Vec<TrackPoint>,
-    last: Rotations,
 }
 
 impl OrderAnalysis {
@@ -51,23 +49,23 @@ impl OrderAnalysis {
             orders,
             spectrum: None,
             points: Vec::new(),
-            last: Rotations::default(),
         }
     }
 
-    pub fn push(&mut self, value: Value) {
-        let at = self.course.next(value.cage, value.ball);
+    pub fn push(&mut self, value: Value<'_>) {
+        let step = self.course.step();
+        let at = self.course.next(value.bearings);
         let (spectrum, points) = (&mut self.spectrum, &mut self.points);
-        self.rows.push(&at, self.course.step(), value.signal, |row| join(spectrum, row));
-        self.tracker.push(&at, self.course.step(), value.signal, |point| points.push(point));
-        self.last = at;
+        self.rows.push(at, step, value.signal, |row| join(spectrum, row));
+        self.tracker.push(at, step, value.signal, |point| points.push(point));
     }
 
     pub fn finish(self) -> Orders {
         let mut spectrum = self.spectrum;
         self.rows.finish(|row| join(&mut spectrum, row));
-        let turns = self.last.of(self.settings.reference).turns;
-        let orders: Vec<f64> = self.orders.iter().map(|order| order.turns(&self.last) / turns).collect();
+        let last = self.course.last();
+        let turns = last.of(self.settings.reference).turns;
+        let orders: Vec<f64> = self.orders.iter().map(|order| order.turns(last) / turns).collect();
         let beating = beating(&orders, self.settings.turns_per_block);
         Orders { turns, spectrum, orders, beating, points: self.points }
     }

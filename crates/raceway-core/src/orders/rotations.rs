@@ -1,4 +1,4 @@
-//! Turns of shaft, cage and ball at each recorded value, and the orders that they make.
+//! Turns of the shaft, and of cage and ball of each bearing, at each recorded value, and the orders that they make.
 
 use super::angle::ShaftAngle;
 use super::settings::Reference;
@@ -15,42 +15,62 @@ pub struct Rotation {
 }
 
 /// Rotations at one recorded value: forward where the body turns as expected of it.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rotations {
     /// Time since the start of the run [s].
     pub time: f64,
     pub shaft: Rotation,
+    pub bearings: Vec<BearingRotations>,
+}
+
+/// Rotations in a bearing.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BearingRotations {
     pub cage: Rotation,
     /// Spin of the ball about its own axis, as seen from the cage.
     pub ball: Rotation,
+}
+
+/// Simulated speeds in a bearing [Hz]; `None`: the balls roll ideally.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SimulatedSpeeds {
+    pub cage: Option<f64>,
+    pub ball: Option<f64>,
 }
 
 impl Rotations {
     pub fn of(&self, reference: Reference) -> Rotation {
         match reference {
             Reference::Shaft => self.shaft,
-            Reference::Cage => self.cage,
+            Reference::Cage => self.bearings.first().map_or_else(Rotation::default, |bearing| bearing.cage),
         }
     }
 }
 
-/// Turns in a sum of turns of shaft, cage and ball.
+/// Turns in a sum of turns of the shaft, and of cage and ball of a bearing.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Combination {
     pub shaft: f64,
     pub cage: f64,
     pub ball: f64,
+    /// Number of the bearing.
+    pub bearing: usize,
 }
 
 impl Combination {
     /// Turns at a recorded value.
     pub fn turns(&self, at: &Rotations) -> f64 {
-        self.shaft * at.shaft.turns + self.cage * at.cage.turns + self.ball * at.ball.turns
+        let of_shaft = self.shaft * at.shaft.turns;
+        match at.bearings.get(self.bearing) {
+            Some(BearingRotations { cage, ball }) => of_shaft + self.cage * cage.turns + self.ball * ball.turns,
+            None => of_shaft,
+        }
     }
 
-    /// Ratio to the shaft's speed for these ratios of cage and ball [-].
-    pub fn ratio(&self, ratios: &Ratios) -> f64 {
-        self.shaft + self.cage * ratios.cage + self.ball * ratios.ball
+    /// Ratio to the shaft's speed for these ratios of the bearings [-].
+    pub fn ratio(&self, ratios: &[Ratios]) -> f64 {
+        let of_bearing = ratios.get(self.bearing).map_or(0.0, |of| self.cage * of.cage + self.ball * of.ball);
+        self.shaft + of_bearing
     }
 }
 
@@ -82,7 +102,8 @@ impl Ratios {
 #[derive(Debug, Clone)]
 pub struct RotationCourse {
     angle: ShaftAngle,
-    ratios: Ratios,
+    /// Of each bearing.
+    ratios: Vec<Ratios>,
     /// Time of the first value and time between values [s].
     start: f64,
     step: f64,
@@ -91,8 +112,9 @@ pub struct RotationCourse {
 }
 
 impl RotationCourse {
-    pub fn new(angle: ShaftAngle, ratios: Ratios, start: f64, step: f64) -> Self {
-        Self { angle, ratios, start, step, passed: 0, last: Rotations::default() }
+    pub fn new(angle: ShaftAngle, ratios: Vec<Ratios>, start: f64, step: f64) -> Self {
+        let bearings = vec![BearingRotations::default(); ratios.len()];
+        Self { angle, ratios, start, step, passed: 0, last: Rotations { bearings, ..Rotations::default() } }
     }
 
     pub fn angle(&self) -> &ShaftAngle {
@@ -104,27 +126,32 @@ impl RotationCourse {
         self.step
     }
 
-    /// Rotations at the next value, from the simulated speeds of cage and ball [Hz]; `None`: the balls roll ideally.
-    pub fn next(&mut self, cage: Option<f64>, ball: Option<f64>) -> Rotations {
+    /// Rotations at the last value.
+    pub fn last(&self) -> &Rotations {
+        &self.last
+    }
+
+    /// Rotations at the next value, from the simulated speeds in each bearing.
+    pub fn next(&mut self, simulated: &[SimulatedSpeeds]) -> &Rotations {
         let time = self.start + self.passed as f64 * self.step;
         let (turns, speed) = (self.angle.turns(time), self.angle.speed(time));
         let ideal = |ratio: f64| Rotation { turns: ratio * turns, speed: ratio * speed };
+        let elapsed = if self.passed > 0 { self.step } else { 0.0 };
         // A ball turns against the shaft.
         let forward = self.angle.direction();
-        let now = Rotations {
-            time,
-            shaft: Rotation { turns, speed },
-            cage: cage.map_or(ideal(self.ratios.cage), |cage| self.advanced(self.last.cage, forward * cage)),
-            ball: ball.map_or(ideal(self.ratios.ball), |ball| self.advanced(self.last.ball, -forward * ball)),
-        };
+        (self.last.time, self.last.shaft) = (time, Rotation { turns, speed });
+        for ((of, ratios), now) in self.last.bearings.iter_mut().zip(&self.ratios).zip(simulated) {
+            of.cage = now.cage.map_or(ideal(ratios.cage), |cage| of.cage.advanced(forward * cage, elapsed));
+            of.ball = now.ball.map_or(ideal(ratios.ball), |ball| of.ball.advanced(-forward * ball, elapsed));
+        }
         self.passed += 1;
-        self.last = now;
-        now
+        &self.last
     }
+}
 
-    /// The rotation one step later, at a speed [Hz].
-    fn advanced(&self, before: Rotation, speed: f64) -> Rotation {
-        let turned = if self.passed > 0 { 0.5 * (before.speed + speed) * self.step } else { 0.0 };
-        Rotation { turns: before.turns + turned, speed }
+impl Rotation {
+    /// The rotation after a time [s], at a speed [Hz].
+    fn advanced(self, speed: f64, elapsed: f64) -> Self {
+        Self { turns: self.turns + 0.5 * (self.speed + speed) * elapsed, speed }
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::analysis::{OrderAnalysis, Orders, Value};
 use super::angle::ShaftAngle;
-use super::rotations::{Combination, Ratios, RotationCourse};
+use super::rotations::{Combination, Ratios, RotationCourse, SimulatedSpeeds};
 use super::settings::{OrderSettings, Reference, highest_order};
 use super::waterfall::{OrderRows, Row, TimeRows, TimeWindows, sharpest_window, smear_bins};
 use crate::numerics::spectrum::{Spectrum, amplitude_spectrum, interpolated_peak};
@@ -29,7 +29,7 @@ fn angle() -> ShaftAngle {
 }
 
 fn course() -> RotationCourse {
-    RotationCourse::new(angle(), RATIOS, 0.0, RATE.recip())
+    RotationCourse::new(angle(), vec![RATIOS], 0.0, RATE.recip())
 }
 
 /// sin(2π·3.585 θ) + 0.5 (f_r/50)² sin(2πθ + 0.4), and `tone` · sin(2π·1000 t).
@@ -44,7 +44,7 @@ fn signal(tone: f64) -> impl Iterator<Item = f64> {
 
 fn analysed(settings: OrderSettings, orders: &[Combination], signal: impl Iterator<Item = f64>) -> Orders {
     let mut analysis = OrderAnalysis::new(settings, course(), orders.to_vec());
-    signal.for_each(|signal| analysis.push(Value { signal, cage: None, ball: None }));
+    signal.for_each(|signal| analysis.push(Value { signal, bearings: &[SimulatedSpeeds::default()] }));
     analysis.finish()
 }
 
@@ -132,7 +132,7 @@ fn orders_that_would_fold_are_suppressed() {
 
 fn time_rows(windows: TimeWindows) -> Vec<Row> {
     let (mut rows, mut course) = (TimeRows::new(windows), course());
-    signal(0.2).filter_map(|value| rows.push(&course.next(None, None), value)).collect()
+    signal(0.2).filter_map(|value| rows.push(course.next(&[SimulatedSpeeds::default()]), value)).collect()
 }
 
 #[test]
@@ -153,7 +153,9 @@ fn a_waterfall_by_frequency_shows_the_tone() {
 #[test]
 fn a_waterfall_by_order_has_a_straight_line() {
     let (mut rows, mut course, mut all) = (OrderRows::new(SETTINGS), course(), Vec::new());
-    signal(0.0).for_each(|value| rows.push(&course.next(None, None), RATE.recip(), value, |row| all.push(row)));
+    signal(0.0).for_each(|value| {
+        rows.push(course.next(&[SimulatedSpeeds::default()]), RATE.recip(), value, |row| all.push(row))
+    });
     rows.finish(|row| all.push(row));
     assert_eq!(all.len(), 13);
     for row in &all {
@@ -174,7 +176,8 @@ fn orders_of_the_simulated_cage_are_exact_despite_slip() {
         let cage = 0.4 * (10.0 + 5.0 * time) * (1.0 - 0.03 * (3.0 * time).sin().powi(2));
         turns += before.map_or(0.0, |before| 0.5 * (before + cage) / RATE);
         before = Some(cage);
-        analysis.push(Value { signal: (TAU * 7.0 * turns).sin(), cage: Some(cage), ball: None });
+        let simulated = SimulatedSpeeds { cage: Some(cage), ball: None };
+        analysis.push(Value { signal: (TAU * 7.0 * turns).sin(), bearings: &[simulated] });
     }
     let orders = analysis.finish();
     assert!((orders.orders[0] - 7.0).abs() < 1e-12 && (orders.turns - turns).abs() < 1e-9);

@@ -4,7 +4,7 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use super::limits::{Faults, HIGHEST_FREQUENCY, MOST_POINTS, SHORTEST_RAMP};
+use super::limits::{Faults, HIGHEST_FREQUENCY, InvalidParameter, MOST_POINTS, SHORTEST_RAMP};
 use super::samples::Samples;
 use crate::numerics::angle::sin_cos;
 
@@ -185,6 +185,13 @@ impl Load {
                 harmonic.check(OF_ROTATING, place, largest_speed, faults);
             }
         }
+    }
+
+    /// What is wrong with the load, as `check` finds it.
+    pub fn faults(&self, place: usize, largest_speed: f64) -> Vec<InvalidParameter> {
+        let mut faults = Faults::default();
+        self.check(place, largest_speed, &mut faults);
+        faults.or(|| ()).err().unwrap_or_default()
     }
 
     /// The harmonic part, if it is one.

@@ -7,10 +7,10 @@ use super::critical::criticals;
 use super::deflection::deflection;
 use super::input::{Elements, Request, Rotor, RotorBearing, RotorError};
 use super::operating::wrench;
+use super::response::of_unbalance;
 use super::result::{BearingResult, Critical, ModeCourse, RotorResult, StationResponse, SupportForces};
 use super::shape::{displacements, mode, point};
 use super::system::{Port, System};
-use super::unbalance::response;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::{PortMatrix, Support};
 
@@ -44,13 +44,13 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
     let operating = operating_system.oscillations(rotor.speed)?;
     let highest = request.speeds.last().copied().unwrap_or_default();
     let criticals = criticals(&system, &request.speeds, &courses, highest).into_iter().map(|(speed, oscillation)| {
-        let response = response(&system, &rotor.unbalances, speed);
+        let response = of_unbalance(&system, &rotor.unbalances, speed);
         let at = |at| displacement(&system, at, &response);
-        let displacement = stations(rotor).into_iter().map(at).collect();
+        let displacement = rotor.places().into_iter().map(at).collect();
         Critical { speed, mode: mode(&oscillation, coordinates, speed), displacement }
     });
     let responses: Vec<DVector<Complex<f64>>> =
-        request.speeds.iter().map(|speed| response(&system, &rotor.unbalances, *speed)).collect();
+        request.speeds.iter().map(|speed| of_unbalance(&system, &rotor.unbalances, *speed)).collect();
     let rest = deflection(&operating_system, rotor)?;
     let whole = displacements(&rest.map(Complex::from), coordinates);
     Ok(RotorResult {
@@ -62,22 +62,11 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         operating_modes: operating.iter().take(request.modes).map(|o| mode(o, coordinates, rotor.speed)).collect(),
         growth_rate: operating_system.growth_rate(rotor.speed)?,
         criticals: criticals.collect(),
-        stations: stations(rotor).into_iter().map(|at| of_station(&system, at, &responses)).collect(),
+        stations: rotor.places().into_iter().map(|at| of_station(&system, at, &responses)).collect(),
         supports: support_forces([&operating_system, &system], rotor, &rest, &request.speeds, &responses),
         bearings: bearings([&operating_system, &system], rotor, &request.speeds),
         deflection: whole.into_iter().map(|node| node.map(|value| value.re)).collect(),
     })
-}
-
-/// Places where something acts on the shaft, rising [m].
-fn stations(rotor: &Rotor) -> Vec<f64> {
-    let discs = rotor.shaft.discs.iter().map(|disc| disc.at);
-    let planes = rotor.unbalances.iter().map(|plane| plane.at);
-    let held = rotor.supports.iter().map(|support| support.at).chain(rotor.bearings.iter().map(|bearing| bearing.at));
-    let mut places: Vec<f64> = discs.chain(planes).chain(held).collect();
-    places.sort_by(f64::total_cmp);
-    places.dedup();
-    places
 }
 
 /// Matrices about the operating point on a mesh that the asked-for frequencies no longer depend on, and the number of flexible modes in
@@ -107,7 +96,7 @@ fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(
 /// Matrices on a mesh with enough free modes, the asked-for angular frequencies without gyroscopic moments [rad/s], and the number of
 /// flexible modes in each plane.
 fn on_mesh(rotor: &Rotor, longest: f64, modes: usize) -> Result<(System, Vec<f64>, usize), RotorError> {
-    let mesh = Mesh::new(&rotor.shaft, &stations(rotor), longest);
+    let mesh = Mesh::new(&rotor.shaft, &rotor.places(), longest);
     let mut count = modes.div_ceil(2) + MORE_MODES;
     let mut coordinates = 0;
     loop {

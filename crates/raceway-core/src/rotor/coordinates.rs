@@ -2,10 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::input::{Rotor, RotorError};
+use super::input::{PlacedLoad, Rotor, RotorError};
 use crate::physics::frame::mesh::{Matrices, Mesh};
 use crate::physics::frame::modes::FreeModes;
 use crate::physics::frame::support::{PORT, PortMatrix};
+use crate::physics::loads::LoadDirection;
 
 /// The shaft over its coordinates: first those along X, then those in the plane of Y, then the same in that of Z. The mass is 1.
 #[derive(Debug, Clone)]
@@ -172,6 +173,16 @@ impl Loads {
         }
         if rotor.load[0] != 0.0 {
             loads.axial.push(along(mesh, centre));
+        }
+        for PlacedLoad { at, load } in &rotor.loads {
+            let node = mesh.node(*at);
+            match load.direction() {
+                Some(LoadDirection::X) => loads.axial.push(unit(count, node)),
+                Some(LoadDirection::AboutY | LoadDirection::AboutZ) => {
+                    loads.bending.push(unit(2 * count, 2 * node + 1));
+                }
+                Some(LoadDirection::Y | LoadDirection::Z) | None => loads.bending.push(unit(2 * count, 2 * node)),
+            }
         }
         loads
     }

@@ -7,6 +7,7 @@ use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::shaft::Shaft;
 use crate::physics::frame::support::{PORT, Support};
 use crate::physics::statics::ring::NoBalance;
+use crate::physics::loads::{Load, SpindleLoad, start_and_largest_change};
 use crate::physics::statics::shaft::Mounted;
 
 /// Largest slope of the shaft under its loads [rad]: its sine is smaller by 0.2 %.
@@ -25,6 +26,20 @@ pub struct RotorBearing {
     pub damping: DampingFactor,
 }
 
+/// A load on a place of the shaft [m].
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlacedLoad {
+    pub at: f64,
+    pub load: Load,
+}
+
+impl PlacedLoad {
+    /// The load at the start, and the largest difference from it; of a harmonic load the mean.
+    pub fn start_and_largest_change(&self) -> (SpindleLoad, SpindleLoad) {
+        start_and_largest_change(std::slice::from_ref(&self.load))
+    }
+}
+
 /// A shaft on linear supports and ball bearings.
 #[derive(Debug, Clone)]
 pub struct Rotor {
@@ -38,9 +53,20 @@ pub struct Rotor {
     pub gravity: f64,
     /// Force on the mass centre along X, Y, Z [N].
     pub load: [f64; 3],
+    /// Loads beside it. The equilibrium takes them as they are at the start.
+    pub loads: Vec<PlacedLoad>,
 }
 
 impl Rotor {
+    /// Places of the shaft at which something acts, rising [m].
+    pub fn places(&self) -> Vec<f64> {
+        let discs = self.shaft.discs.iter().map(|disc| disc.at);
+        let planes = self.unbalances.iter().map(|plane| plane.at);
+        let held = self.supports.iter().map(|support| support.at).chain(self.bearings.iter().map(|bearing| bearing.at));
+        let loaded = self.loads.iter().map(|load| load.at);
+        rising(discs.chain(planes).chain(held).chain(loaded).collect())
+    }
+
     /// Whether the supports' springs hold every rigid motion of the shaft. Bearings are left out.
     pub fn is_restrained(&self) -> bool {
         let (length, centre) = (self.shaft.length(), self.shaft.mass_centre());
@@ -60,6 +86,13 @@ impl Rotor {
         let least = held.clone().symmetric_eigenvalues().min();
         least > LEAST_STIFFNESS * held.amax()
     }
+}
+
+/// Places in rising order, each once.
+pub(crate) fn rising(mut places: Vec<f64>) -> Vec<f64> {
+    places.sort_by(f64::total_cmp);
+    places.dedup();
+    places
 }
 
 /// Elements of the shaft.

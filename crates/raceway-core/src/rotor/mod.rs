@@ -15,10 +15,10 @@ pub(crate) mod system;
 
 mod campbell;
 mod critical;
-mod deflection;
+pub(crate) mod deflection;
 mod potential;
+pub(crate) mod response;
 mod shape;
-pub(crate) mod unbalance;
 
 #[cfg(test)]
 mod tests;

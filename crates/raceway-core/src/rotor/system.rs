@@ -110,11 +110,17 @@ impl System {
         Ok(())
     }
 
-    /// Weight and loads over the coordinates.
+    /// Weight and loads at the start over the coordinates.
     pub fn load(&self, rotor: &Rotor) -> DVector<f64> {
         let weight = self.coordinates.weight(rotor.shaft.mass() * rotor.gravity);
         let load = self.coordinates.force(rotor.shaft.mass_centre(), rotor.load);
-        DVector::from_iterator(weight.len(), weight.iter().zip(&load).map(|(weight, load)| weight + load))
+        let mut sum =
+            DVector::from_iterator(weight.len(), weight.iter().zip(&load).map(|(weight, load)| weight + load));
+        for load in &rotor.loads {
+            let port = self.coordinates.port(self.coordinates.mesh.node(load.at));
+            sum += port.transpose() * DVector::from_row_slice(&load.start_and_largest_change().0);
+        }
+        sum
     }
 
     /// Stiffness K and damping C at a speed [rad/s].

@@ -28,7 +28,16 @@ fn shaft(sections: Vec<Section>, discs: Vec<Disc>) -> Shaft {
 }
 
 fn rotor(shaft: Shaft, supports: Vec<Support>) -> Rotor {
-    Rotor { shaft, unbalances: Vec::new(), supports, bearings: Vec::new(), speed: 0.0, gravity: 9.81, load: [0.0; 3] }
+    Rotor {
+        shaft,
+        unbalances: Vec::new(),
+        supports,
+        bearings: Vec::new(),
+        speed: 0.0,
+        gravity: 9.81,
+        load: [0.0; 3],
+        loads: Vec::new(),
+    }
 }
 
 /// Stiffness and damping in Y and Z.
