@@ -188,7 +188,10 @@ export class ShaftForm {
     const gone = (known) => known.startsWith(`${list.pointer}/`);
     for (const of of [this.#fields, this.#places, this.#unreadable])
       [...of.keys()].filter(gone).forEach((key) => of.delete(key));
+    const groups = () => [...shown.items.querySelectorAll('details')];
+    const open = groups().map((group) => group.open);
     shown.items.replaceChildren(...Array.from({ length: count }, (_, i) => this.#item(list, i)));
+    groups().forEach((group, i) => (group.open = open[i] ?? false));
   }
 
   #item({ pointer, item, of, fields, more: groups = [] }, index) {
