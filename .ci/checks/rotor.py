@@ -69,6 +69,18 @@ def case_answer_at_once(running):
     verdict(status == 200 and len(answer["speeds_rpm"]) == 50, f"50 speeds in {1e3 * took:.0f} ms, no job made")
 
 
+def case_plots(running):
+    path = running.submit(job())[0]
+    running.ended(path)
+    for name, words in (("campbell.svg", ("forward", "backward", "28702")), ("shapes.svg", ("479.9 Hz, forward", "bearings and supports"))):
+        status, headers, picture = running.request("GET", f"{path}/plots/{name}")
+        text = picture.decode() if isinstance(picture, bytes) else str(picture)
+        is_drawn = status == 200 and headers.get_content_type() == "image/svg+xml" and all(word in text for word in words)
+        verdict(is_drawn, f"{name} of a rotor job shows {', '.join(words)}: {status}")
+    status, _, problem = running.request("GET", f"{path}/plots/spectrum.svg")
+    verdict(status == 409 and "campbell.svg" in str(problem), f"a rotor job without spectrum names its plots: {status}")
+
+
 def case_refusals(running):
     cases = [
         (job({"sections": [{"length_mm": 300, "outer_diameter_mm": 25, "inner_diameter_mm": 26}]}),

@@ -343,7 +343,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
                 "accuracy" => "…/accuracy and …/plots/work-precision.svg",
                 "optimum" => "…/optimum and …/plots/optimum.svg",
                 "study" => "…/table, …/plots/trend.svg and …/plots/map.svg",
-                "rotor" => "…/rotor and …/rotor.py",
+                "rotor" => "…/rotor, …/rotor.py, …/plots/campbell.svg and …/plots/shapes.svg",
                 "machine" => "…/machine, …/spectrum and …/plots/spectrum.svg",
                 _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
             };

@@ -220,7 +220,8 @@ async fn plot(
     _: Query<NoQuery>,
 ) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[SVG])?;
-    let known = [plots::OF_SIMULATION, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
+    let known =
+        [plots::OF_SIMULATION, plots::OF_ROTOR, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
     if known.contains(&file.as_str()) {
         return Ok(StatusCode::OK);
     }

@@ -172,6 +172,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub rotor: Option<String>,
+    /// Campbell diagram of a rotor job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub campbell_svg: Option<String>,
+    /// Mode shapes of a rotor job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub shapes_svg: Option<String>,
     /// Script for ROSS of a rotor job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -331,6 +339,8 @@ impl Links {
             accuracy: link("accuracy", compared),
             rotor: link("rotor", succeeded(JobKind::Rotor)),
             machine: link("machine", in_time),
+            campbell_svg: link("plots/campbell.svg", succeeded(JobKind::Rotor)),
+            shapes_svg: link("plots/shapes.svg", succeeded(JobKind::Rotor)),
             rotor_script: link("rotor.py", succeeded(JobKind::Rotor)),
             work_precision_svg: link("plots/work-precision.svg", compared),
             this,

@@ -19,10 +19,11 @@ use super::studies::table_of;
 use crate::contract::answer::views::TraceView;
 use crate::contract::job::simulation::varying_speed_rpm;
 use crate::contract::{
-    JobKind, Metrics, OptimumAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer, WorkPrecisionAnswer,
+    JobKind, Metrics, OptimumAnswer, RotorAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer,
+    WorkPrecisionAnswer,
 };
 use crate::jobs::{JobError, Signal};
-use crate::plots::draw;
+use crate::plots::{draw, draw_rotor};
 
 /// Names of plots. The kind of a job decides which of them it has.
 #[derive(ToSchema)]
@@ -46,6 +47,10 @@ enum PlotName {
     Orders,
     #[schema(rename = "waterfall.svg")]
     Waterfall,
+    #[schema(rename = "campbell.svg")]
+    Campbell,
+    #[schema(rename = "shapes.svg")]
+    Shapes,
     #[schema(rename = "work-precision.svg")]
     WorkPrecision,
     #[schema(rename = "optimum.svg")]
@@ -68,6 +73,7 @@ pub const OF_SIMULATION: &[&str] = &[
     "waterfall.svg",
 ];
 pub const OF_MACHINE: &[&str] = &["spectrum.svg", "envelope.svg"];
+pub const OF_ROTOR: &[&str] = &["campbell.svg", "shapes.svg"];
 pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
 pub const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
@@ -94,6 +100,8 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 /// Other kinds:
 /// - `spectrum.svg`, `envelope.svg` (machine job): the spectra of the sensors' accelerations, or without sensors, of the bearings' inner
 ///   rings along y, with labelled lines.
+/// - `campbell.svg` (rotor job): natural frequencies over speed with the critical speeds.
+/// - `shapes.svg` (rotor job): shapes of the natural motions at the operating speed, on the outline of the shaft.
 /// - `work-precision.svg` (accuracy job): error against run time, one curve for each method.
 /// - `optimum.svg` (optimum job): the runs and the best point.
 /// - `trend.svg`, `map.svg` (study over one axis or two): the points that have been computed.
@@ -150,6 +158,8 @@ async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &
             let answer = waterfall_of(app, owner, id, permit, WaterfallQuery::default()).await?;
             formatted(move || Ok(svg_response(draw::waterfall(&answer, draw::WATERFALL_RANGE_DB)))).await
         }
+        "campbell.svg" => rotor(app, owner, id, draw_rotor::campbell).await,
+        "shapes.svg" => rotor(app, owner, id, draw_rotor::shapes).await,
         "work-precision.svg" => work_precision(app, owner, id).await,
         "optimum.svg" => optimum(app, owner, id).await,
         "trend.svg" => of_study(app, owner, id, draw::trend).await,
@@ -166,6 +176,8 @@ async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &
                 OF_STUDY
             } else if is(JobKind::Machine) {
                 OF_MACHINE
+            } else if is(JobKind::Rotor) {
+                OF_ROTOR
             } else {
                 OF_SIMULATION
             };
@@ -258,6 +270,11 @@ async fn check_series(app: &App, owner: &str, id: Uuid) -> Result<(), ApiError> 
         true => Err(ApiError::UnknownPlot { known: &OF_SIMULATION[..7] }),
         false => Ok(()),
     }
+}
+
+async fn rotor(app: &App, owner: &str, id: Uuid, draw: fn(&RotorAnswer) -> String) -> Result<Response, ApiError> {
+    let stored = app.jobs.report(owner, id, JobKind::Rotor).await?;
+    formatted(move || Ok(svg_response(draw(&read::<RotorAnswer>(&stored)?)))).await
 }
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {

@@ -34,11 +34,12 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 25] = files! {
+static FILES: [File; 34] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
     "api.js": SCRIPT,
+    "chart.js": SCRIPT,
     "compare.js": SCRIPT,
     "derived.js": SCRIPT,
     "dom.js": SCRIPT,
@@ -46,14 +47,22 @@ static FILES: [File; 25] = files! {
     "fields.js": SCRIPT,
     "format.js": SCRIPT,
     "jobs.js": SCRIPT,
+    "machine.js": SCRIPT,
     "main.js": SCRIPT,
     "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
     "plots.js": SCRIPT,
     "request.js": SCRIPT,
     "result.js": SCRIPT,
+    "rotor.js": SCRIPT,
     "scene.js": SCRIPT,
+    "shaft.js": SCRIPT,
+    "shaft-drawing.js": SCRIPT,
+    "shaft-form.js": SCRIPT,
+    "shaft-lists.js": SCRIPT,
+    "shaft-request.js": SCRIPT,
     "slider.js": SCRIPT,
+    "spectra.js": SCRIPT,
     "study.js": SCRIPT,
     "surfaces.js": SCRIPT,
     "views.js": SCRIPT,

@@ -10,9 +10,9 @@ use crate::config::SimulateOptions;
 use crate::contract::answer::csv;
 use crate::contract::answer::orders::of_series;
 use crate::contract::{
-    self, Job, JobKind, MachineOutcome, Outcome, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
+    self, Job, JobKind, MachineOutcome, Outcome, RotorAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
 };
-use crate::plots::draw;
+use crate::plots::{draw, draw_rotor};
 
 /// Runs the job and prints its metrics.
 pub fn run(options: &SimulateOptions) -> Exit {
@@ -46,13 +46,19 @@ fn finish(job: &Job, outcome: &Outcome, output: Option<&OutputDirectory>) -> Exi
         Outcome::Simulation(simulated) => write(job, simulated, directory),
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
         Outcome::Optimum(answer) => optimum::write(answer, directory),
-        Outcome::Rotor(answer) => directory.write("rotor.json", &json(answer)),
+        Outcome::Rotor(answer) => write_rotor(answer, directory),
         Outcome::Machine(outcome) => write_machine(outcome, directory),
     });
     match written {
         Some(Err(error)) => failed(&error),
         _ => Exit::Success,
     }
+}
+
+fn write_rotor(answer: &RotorAnswer, directory: &OutputDirectory) -> Result<(), String> {
+    directory.write("rotor.json", &json(answer))?;
+    directory.write("campbell.svg", &draw_rotor::campbell(answer))?;
+    directory.write("shapes.svg", &draw_rotor::shapes(answer))
 }
 
 /// Writes all results as files.

@@ -1,14 +1,17 @@
 //! Plots as SVG text that is complete in itself: title and description for those who cannot see it, units on every axis, colours that
-//! follow the viewer's light or dark setting. `draw` takes results of the contract, the other modules plain numbers and labelled
-//! lines. Knows no HTTP and no file.
+//! follow the viewer's light or dark setting. `draw` and `draw_rotor` take results of the contract, the other modules plain numbers
+//! and labelled lines. Knows no HTTP and no file.
 
 pub mod draw;
+pub mod draw_rotor;
 
+mod campbell;
 mod loads;
 mod map;
 mod orbit;
 mod orders;
 mod series;
+mod shapes;
 mod spectrum;
 mod trend;
 mod waterfall;

@@ -24,6 +24,8 @@ const STYLE: &str = "\
 .raceway-plot .f3{fill:#8e2a8c}.raceway-plot .f4{fill:#5c6670}\
 .raceway-plot .ring{fill:none;stroke-width:1.3}.raceway-plot .cross{fill:none;stroke-width:1.8}\
 .raceway-plot .floor{stroke:#7b8792;stroke-width:1.2;stroke-dasharray:6 4}\
+.raceway-plot .dashed{stroke-dasharray:7 4}.raceway-plot .dotted{stroke-dasharray:2 3}\
+.raceway-plot .rest{fill:#5c6670;fill-opacity:.16}.raceway-plot .support{fill:#5c6670}\
 .raceway-plot .small{font-size:11.5px;fill:#56616c}\
 .raceway-plot .band{fill:#0b63b0;fill-opacity:.13}\
 @media (prefers-color-scheme:dark){\
@@ -110,13 +112,20 @@ impl Drawing {
 
     /// A curve in the colour with this number.
     pub fn curve(&mut self, colour: usize, points: impl IntoIterator<Item = (f64, f64)>) {
+        self.dashed_curve(colour, "", points);
+    }
+
+    /// A curve with dashes: `dashed`, `dotted` or none.
+    pub fn dashed_curve(&mut self, colour: usize, dashes: &str, points: impl IntoIterator<Item = (f64, f64)>) {
         let mut path = String::new();
         for (x, y) in points {
             let command = if path.is_empty() { 'M' } else { 'L' };
             write!(path, "{command}{x:.1} {y:.1}").expect("writing to a string cannot fail");
         }
         if !path.is_empty() {
-            self.element(format_args!("<path class=\"curve c{}\" d=\"{path}\"/>", colour % COLOURS));
+            let space = if dashes.is_empty() { "" } else { " " };
+            let colour = colour % COLOURS;
+            self.element(format_args!("<path class=\"curve c{colour}{space}{dashes}\" d=\"{path}\"/>"));
         }
     }
 
@@ -166,6 +175,14 @@ impl Drawing {
         self.element(format_args!(
             "<path class=\"cross c{}\" d=\"M{left:.1} {top:.1}L{right:.1} {bottom:.1}M{left:.1} {bottom:.1}L{right:.1} {top:.1}\"/>",
             colour % COLOURS
+        ));
+    }
+
+    /// A support below its place on the shaft: a triangle with its tip there.
+    pub fn triangle(&mut self, x: f64, y: f64) {
+        let (left, right, bottom) = (x - 6.0, x + 6.0, y + 10.0);
+        self.element(format_args!(
+            "<path class=\"support\" d=\"M{x:.1} {y:.1}L{right:.1} {bottom:.1}L{left:.1} {bottom:.1}Z\"/>"
         ));
     }
 

@@ -1,4 +1,4 @@
-// The page at `/` in a real browser: from a preset to a labelled spectrum, orbit, comparison, slider and study; then the same door
+// The page at `/` in a real browser: from a preset to a labelled spectrum, orbit, comparison, slider, study and shaft; then the same door
 // with a token. Fails on any error in the console, any request to another host, overflow at 390 px and serious findings of axe.
 //
 // RACEWAY: the binary. SCREENSHOTS: a folder for pictures (optional). CHROMIUM: the browser (default /usr/bin/chromium).
@@ -17,7 +17,7 @@ const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.
 const PICTURES = process.env.SCREENSHOTS;
 const DESKTOP = { width: 1280, height: 900 };
 const PHONE = { width: 390, height: 844 };
-const TABS = ['result', 'slider', 'study', 'compare', 'jobs'];
+const TABS = ['result', 'slider', 'study', 'compare', 'shaft', 'jobs'];
 const TOKEN = 'token-of-the-check';
 const ARGUMENTS = [
   '--headless',
@@ -426,6 +426,96 @@ async function surfaces(page) {
   await noLeftovers(page);
 }
 
+/** A shaft: drawn, moved by keys and pointer, analysed with each edit, run in time, and opened from the list. */
+async function shaft(page) {
+  await tab(page, 'shaft');
+  const natural = page.locator('.rotor table').first();
+  await natural.waitFor({ timeout: 30000 });
+  const of = (pointer) => page.locator(`#s${pointer.replaceAll('/', '-')}`);
+  const place = of('/scene/bearings/0/at_mm');
+  const drawn = page.locator('[data-pointer="/scene/bearings/0"]');
+  assert.equal(await place.inputValue(), '55');
+  await drawn.press('PageUp');
+  await drawn.press('ArrowRight');
+  assert.equal(await place.inputValue(), '66');
+  assert.equal(await drawn.getAttribute('aria-valuenow'), '66');
+  const ball = await drawn.locator('.ball').first().boundingBox();
+  await page.mouse.move(ball.x + ball.width / 2, ball.y + ball.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(ball.x + ball.width / 2 - 60, ball.y + ball.height / 2, { steps: 4 });
+  await page.mouse.up();
+  assert.ok(Number(await place.inputValue()) < 60, await place.inputValue());
+  await drawn.press('Enter');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 's-scene-bearings-0-bearing');
+  ok('a bearing of the shaft moves by keys and pointer; Enter leads to its fields');
+
+  await place.fill('999');
+  const error = page.locator('#s-scene-bearings-0-at_mm-error', { hasText: 'from 0 to 290 mm' });
+  await error.waitFor();
+  assert.equal(await place.getAttribute('aria-invalid'), 'true');
+  await page.locator('.analysis.stale').waitFor();
+  await accessible(page, 'an error of the shaft');
+  await place.fill('x');
+  await page.locator('#s-scene-bearings-0-at_mm-error', { hasText: 'not a number' }).waitFor();
+  await place.fill('55');
+  await page.locator('.analysis:not(.stale)').waitFor();
+  ok('an error of the shaft stands at its field');
+
+  const firstCritical = () => page.locator('input[value=critical-0]').locator('xpath=..').textContent();
+  await page.waitForFunction(() => document.querySelector('input[value=critical-0]'));
+  const before = await firstCritical();
+  await of('/scene/shaft/sections/2/outer_diameter_mm').fill('60');
+  await page.waitForFunction((text) => document.querySelector('input[value=critical-0]')?.parentElement.textContent !== text, before);
+  await of('/scene/shaft/sections/2/outer_diameter_mm').fill('46');
+  await page.waitForFunction((text) => document.querySelector('input[value=critical-0]')?.parentElement.textContent === text, before);
+  ok(`the analysis follows each edit; first critical speed${before}`);
+
+  await page.locator('.chart .mark').first().press('Enter');
+  assert.equal(await page.locator('input[name=motion]:checked').inputValue(), 'critical-0');
+  await page.locator('input[name=motion]:checked').press('ArrowDown');
+  await page.locator('.shape + figcaption', { hasText: 'forward' }).waitFor();
+  ok('a mode shape is chosen on the diagram and by keys');
+
+  await page.locator('summary', { hasText: 'Linear supports' }).click();
+  await page.getByRole('button', { name: 'Add support' }).click();
+  await page.locator('.rotor td, .rotor th', { hasText: 'support 1' }).waitFor();
+  await page.locator('[data-pointer="/scene/supports/0"]').press('Delete');
+  await page.locator('.rotor th', { hasText: 'support 1' }).waitFor({ state: 'detached' });
+  const request = JSON.parse(await page.locator('#shaft-json').inputValue());
+  assert.equal(request.scene.supports, undefined);
+  ok('a support is added and removed');
+
+  await page.locator('summary', { hasText: 'Spall of the outer raceway' }).first().click();
+  for (const [name, value] of [
+    ['azimuth_deg', '0'],
+    ['length_mm', '0.8'],
+    ['depth_um', '3'],
+  ])
+    await of(`/scene/bearings/0/surfaces/outer/defects/0/${name}`).fill(value);
+  await page.locator('summary', { hasText: /^Run in time$/ }).click();
+  await of('/duration_s').fill('0.05');
+  await of('/settle_s').fill('0.02');
+  await page.locator('#shaft-run').click();
+  await page.locator('#panel-shaft .line-label', { hasText: 'BPFO@A' }).first().waitFor({ timeout: 300000 });
+  await page.locator('#panel-shaft figcaption', { hasText: 'Envelope spectrum of sensor nose acceleration' }).waitFor();
+  await picture(page, 'machine');
+  await accessible(page, 'the run of a shaft in time');
+  ok('a run in time shows levels, spectrum and envelope with lines of the bearing');
+
+  await page.locator('input[name=shaft-view][value=analysis]').check({ force: true });
+  await page.getByRole('button', { name: 'Keep as a job' }).click();
+  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor({ timeout: 60000 });
+  await page.reload();
+  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor({ timeout: 60000 });
+  await tab(page, 'jobs');
+  await page.locator('#panel-jobs tr', { hasText: 'machine' }).first().getByRole('button', { name: 'Open' }).click();
+  await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 60000 });
+  await tab(page, 'jobs');
+  await page.locator('#panel-jobs tr', { hasText: 'rotor' }).first().getByRole('button', { name: 'Open' }).click();
+  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor();
+  ok('jobs of a shaft are kept, survive a reload and open from the list');
+}
+
 /** Links that say no more than a run, or not even that. `hash`: that of a page with a run of 50 000 r/min. */
 async function links(browser, url, hash) {
   const { page, context, faults } = await open(browser, {}, (status, path) => status === 404 && path.startsWith('/v1/jobs/'));
@@ -491,6 +581,7 @@ async function everywhere(browser, url, from) {
         }
         if (panel === 'slider') await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
         if (panel === 'jobs') await page.locator('#panel-jobs tbody tr').first().waitFor();
+        if (panel === 'shaft') await page.locator('.rotor .shape svg').waitFor({ timeout: 30000 });
         await picture(page, `${panel}-${name}-${colorScheme}`);
         const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
         assert.ok(wide <= inner, `${panel} at ${name} px is ${wide} px wide`);
@@ -573,6 +664,14 @@ try {
     await page.goto(service.url);
     await page.locator('.drawing svg').waitFor();
     await surfaces(page);
+    assert.deepEqual(faults, []);
+    await context.close();
+  }
+  {
+    const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === '/v1/rotor');
+    await page.goto(service.url);
+    await page.locator('.drawing svg').waitFor();
+    await shaft(page);
     assert.deepEqual(faults, []);
     await context.close();
   }

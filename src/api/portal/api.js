@@ -117,6 +117,9 @@ export const cancel = async (job) => (await send('POST', `${job.links.self}/canc
 export const resolve = async (job, signal) =>
   (await send('POST', '/v1/scenes/resolve', { body: job, signal, retry: false })).json();
 
+/** The analysis of a rotor. Without retries, because the next edit sends a new request. */
+export const analyse = async (job, signal) => (await send('POST', '/v1/rotor', { body: job, signal, retry: false })).json();
+
 /** Submits a job. The idempotency key makes retries safe. */
 export const submit = async (job) =>
   (await send('POST', '/v1/jobs', { body: job, again: true, headers: { 'Idempotency-Key': key() } })).json();

@@ -66,7 +66,7 @@ export class JobList {
   #row(job) {
     const name = title(job.request);
     const action = (text, act) => small(text, act, { 'aria-label': `${text}: ${name}` });
-    const open = ['simulation', 'study'].includes(job.kind) && action('Open', () => this.open(job));
+    const open = ['simulation', 'study', 'rotor', 'machine'].includes(job.kind) && action('Open', () => this.open(job));
     const compare = job.kind === 'simulation' && job.status === 'succeeded' && action('Compare', () => this.compare(job));
     const row = h(
       'tr',

@@ -1,4 +1,4 @@
-// The page: the request, and the form and panels that use it.
+// The page: the request, and the forms and panels that use it.
 
 import * as api from './api.js';
 import { Compare } from './compare.js';
@@ -10,10 +10,14 @@ import { JobList } from './jobs.js';
 import { fromAddress, isId, START, toAddress } from './request.js';
 import { Result } from './result.js';
 import { SceneForm } from './scene.js';
+import { Shaft } from './shaft.js';
 import { Slider } from './slider.js';
 import { Study } from './study.js';
 
-const TABS = ['result', 'slider', 'study', 'compare', 'jobs'];
+const TABS = ['result', 'slider', 'study', 'compare', 'shaft', 'jobs'];
+
+/** The tab on which a job is shown. */
+const tabOf = ({ kind }) => ({ study: 'study', rotor: 'shaft', machine: 'shaft' })[kind] ?? 'result';
 
 /** Pause in typing after which the scene is resolved [ms]. */
 const TYPING_PAUSE = 180;
@@ -92,6 +96,20 @@ async function start() {
     },
   });
   const compare = new Compare(at('panel-compare'), { say, request: () => state.job, resolved: () => state.resolved });
+  const shaft = new Shaft(at('panel-shaft'), {
+    ...panels,
+    presets,
+    request: address.shaft,
+    onChange: (request) => {
+      state.shaft = request;
+      remember();
+    },
+    onOpen: (job) => {
+      state.run = job.id;
+      remember();
+    },
+  });
+  const show = (job) => ({ study, shaft, result })[tabOf(job)].show(job);
   const jobs = new JobList(at('panel-jobs'), {
     say,
     open,
@@ -104,6 +122,7 @@ async function start() {
     slider: () => slider.reset(),
     study: () => study.reset(),
     compare: () => compare.show(),
+    shaft: () => shaft.open(),
     jobs: () => jobs.refresh(),
   };
 
@@ -202,16 +221,21 @@ async function start() {
 
   async function open(job) {
     state.run = job.id;
-    choose(job.kind === 'study' ? 'study' : 'result');
+    choose(tabOf(job));
     // On a narrow page the result is below the form.
     if (matchMedia('(max-width: 56rem)').matches)
       at('panel-result').parentElement.querySelector('[role=tablist]').scrollIntoView();
-    await (job.kind === 'study' ? study.show(job) : result.show(job));
+    await show(job);
   }
 
   function choose(tab, focus = false) {
     if (state.tab === 'slider' && tab !== 'slider') slider.stop();
     state.tab = tab;
+    // A shaft has its own form, and a drawing in the place of the derived quantities of one bearing.
+    const isShaft = tab === 'shaft';
+    for (const id of ['scene', 'derived']) at(id).hidden = isShaft;
+    for (const id of ['shaft-form', 'shaft-drawing']) at(id).hidden = !isShaft;
+    if (!isShaft) shaft.close();
     for (const name of TABS) {
       const chosen = name === tab;
       at(`tab-${name}`).setAttribute('aria-selected', String(chosen));
@@ -219,7 +243,7 @@ async function start() {
       at(`panel-${name}`).hidden = !chosen;
     }
     if (focus) at(`tab-${tab}`).focus();
-    if (state.resolved) opened[tab]?.();
+    if (state.resolved || isShaft) opened[tab]?.();
     remember();
   }
 
@@ -280,11 +304,10 @@ async function start() {
       showReason(error.status === 404 ? 'The run of this link is gone, or it belongs to another owner.' : error.message);
       return;
     }
-    if (!request && job.request.scene) edit(job.request);
+    if (!request && job.request.scene?.bearing) edit(job.request);
     state.run = id;
-    const own = job.kind === 'study' ? 'study' : 'result';
-    if (!TABS.includes(tab) || tab === 'result') choose(own);
-    await (own === 'study' ? study.show(job) : result.show(job));
+    if (!TABS.includes(tab) || tab === 'result') choose(tabOf(job));
+    await show(job);
   }
 
   /** Shows the reason why there is no result. */

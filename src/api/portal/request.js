@@ -56,23 +56,28 @@ function tidy(job) {
   return swept(job, '');
 }
 
-/** Request, run and tab from the part of the address after `#`. */
+/** Requests, run and tab from the part of the address after `#`. */
 export function fromAddress() {
   const parameters = new URLSearchParams(location.hash.slice(1));
-  let job = null;
-  try {
-    job = JSON.parse(parameters.get('job'));
-  } catch {
-    // An incomplete link is ignored.
-  }
-  return { job: job && typeof job === 'object' ? job : null, run: parameters.get('run'), tab: parameters.get('tab') };
+  const [job, shaft] = ['job', 'shaft'].map((name) => {
+    try {
+      return JSON.parse(parameters.get(name));
+    } catch {
+      // An incomplete link is ignored.
+      return null;
+    }
+  });
+  const whole = (value) => (value && typeof value === 'object' ? value : null);
+  return { job: whole(job), shaft: whole(shaft)?.scene?.shaft ? shaft : null, run: parameters.get('run'), tab: parameters.get('tab') };
 }
 
 /** Whether a word has the form of a job id. */
 export const isId = (word) => /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/.test(word);
 
-export function toAddress({ job, run, tab }) {
+/** Only the tab of the shaft needs the request of the shaft. */
+export function toAddress({ job, shaft, run, tab }) {
   const parameters = new URLSearchParams({ job: JSON.stringify(job) });
+  if (shaft && tab === 'shaft') parameters.set('shaft', JSON.stringify(shaft));
   if (run) parameters.set('run', run);
   if (tab && tab !== 'result') parameters.set('tab', tab);
   history.replaceState(null, '', `#${parameters}`);

@@ -4,6 +4,7 @@ import * as api from './api.js';
 import { h, small } from './dom.js';
 import { keep } from './download.js';
 import { moment, title, words } from './format.js';
+import { MachineView } from './machine.js';
 import { summary, tables } from './metrics.js';
 import { picture } from './plots.js';
 import { Views } from './views.js';
@@ -12,7 +13,7 @@ export class Result {
   /** `say(text)` shows a status message; `onEnd(job)`, `rerun(request)` and `edit(request)` are actions of the page. */
   constructor(host, { say, onEnd, rerun, edit }) {
     Object.assign(this, { host, say, onEnd, edit });
-    this.views = new Views({ say, rerun });
+    this.rerun = rerun;
   }
 
   /** Follows a job to its end and shows its results. Another call replaces it. */
@@ -38,6 +39,7 @@ export class Result {
       if (!api.hasEnded(job)) this.onEnd(ended);
       if (ended.status !== 'succeeded') return;
       if (ended.kind === 'simulation') await this.#results(ended, signal);
+      else if (ended.kind === 'machine') await this.#machine(ended, signal);
       else await this.#report(ended, signal);
     } catch (error) {
       if (!signal.aborted) this.#failed(error);
@@ -120,7 +122,13 @@ export class Result {
     );
   }
 
+  async #machine(job, signal) {
+    this.machine ??= new MachineView({ say: this.say });
+    await this.machine.show(this.body, job, signal);
+  }
+
   async #results(job, signal) {
+    this.views ??= new Views({ say: this.say, rerun: this.rerun });
     const metrics = job.metrics ?? (await api.get(job.links.metrics, { signal }));
     if (signal.aborted) return;
     this.body.replaceChildren(...[summary(metrics), this.views.element, tables(metrics)].flat().filter(Boolean));

@@ -1,11 +1,11 @@
 // The plots of a finished run, one at a time, each with its table, downloads and curl command.
 
 import * as api from './api.js';
-import { button, h, labelled, labelledRadio, lineName, more, select, small, table, tools } from './dom.js';
+import { button, h, labelled, labelledRadio, more, select, small, table, tools } from './dom.js';
 import { command, csv, curl, flat, keep, save } from './download.js';
 import { channelName, number, quantity } from './format.js';
-import { linesOf, usualLimit } from './metrics.js';
-import { ballBars, CurvePlot, orbit, picture, SpectrumPlot } from './plots.js';
+import { ballBars, CurvePlot, orbit, picture } from './plots.js';
+import { Spectra } from './spectra.js';
 
 /** Series for orbit and time plots, which the service keeps only on request. */
 const SERIES = [
@@ -34,14 +34,9 @@ export class Views {
   constructor({ say, rerun }) {
     Object.assign(this, { say, rerun });
     this.view = 'spectrum';
-    this.channel = 'spindle.y.acceleration';
     this.stage = h('div', { class: 'stage' });
     this.extras = h('div', { class: 'extras' });
-    // One plot for all runs, because a plot has listeners on the page.
-    this.spectra = ['amplitude', 'envelope'].map((kind) => {
-      const [host, caption] = [h('div', {}), h('figcaption', {})];
-      return { kind, host, caption, plot: new SpectrumPlot(host), figure: h('figure', {}, host, caption) };
-    });
+    this.spectra = new Spectra(() => this.#draw());
     this.curveHost = h('div', {});
     this.curvePlot = new CurvePlot(this.curveHost);
     this.element = h('div', {}, this.#choice(), this.stage, this.extras);
@@ -51,9 +46,7 @@ export class Views {
   async show(job, metrics) {
     Object.assign(this, { job, metrics });
     this.channels = job.request.outputs?.spectra ?? ['spindle.y.acceleration', 'spindle.z.acceleration'];
-    if (!this.channels.includes(this.channel)) [this.channel] = this.channels;
-    // Faults are found by the envelope: it stands beside the spectrum.
-    this.kind = this.chosenKind ?? (job.request.scene?.surfaces ? 'both' : 'amplitude');
+    this.spectra.begin(this.channels, Boolean(job.request.scene?.surfaces));
     // One shaft frequency says nothing about a run-up: it opens as a waterfall.
     const isRunUp = Array.isArray(job.request.scene?.operation?.speed_rpm);
     const exists = {
@@ -100,91 +93,8 @@ export class Views {
   }
 
   async #spectrum(signal) {
-    const { id } = this.job;
-    const shown = this.spectra.filter(({ kind }) => this.kind === 'both' || this.kind === kind);
-    const limitOf = (kind) => this.chosenLimit ?? usualLimit(this.metrics, kind);
-    const channel = select(
-      this.channels.map((name) => [name, channelName(name)]),
-      (value) => {
-        this.channel = value;
-        this.#draw();
-      },
-    );
-    channel.value = this.channel;
-    const limit = h('input', {
-      type: 'number',
-      min: 0.1,
-      max: 20,
-      step: 'any',
-      class: 'short',
-      value: limitOf(shown[0].kind) / 1000,
-      onchange: () => {
-        this.chosenLimit = Math.min(Math.max(limit.valueAsNumber || 5, 0.1), 50) * 1000;
-        this.#draw();
-      },
-    });
-    const kind = select(
-      [
-        ['amplitude', 'signal'],
-        ['envelope', 'envelope'],
-        ['both', 'signal and envelope'],
-      ],
-      (value) => {
-        this.chosenKind = value;
-        this.kind = value;
-        this.#draw();
-      },
-    );
-    kind.value = this.kind;
-    const path = (kind, limit) => api.spectrumPath(id, this.channel, limit, kind);
-    const found = await Promise.all(shown.map(({ kind }) => api.get(path(kind, limitOf(kind)), { signal })));
-    this.stage.replaceChildren(
-      tools(labelled('Channel', channel), labelled('Spectrum of the', kind), labelled('Up to', limit, ' kHz')),
-      h('div', { class: shown.length > 1 ? 'pair' : undefined }, shown.map(({ figure }) => figure)),
-    );
-    const tables = shown.map((one, i) => this.#spectrumOf(one, found[i], limitOf(one.kind)));
-    const files = shown.flatMap(({ kind }) => {
-      const [name, file] = kind === 'envelope' ? ['Envelope', 'envelope'] : ['Spectrum', 'spectrum'];
-      return [
-        [`${name} CSV`, () => keep(`${file}-${id}.csv`, path(kind), 'text/csv')],
-        [`${name} JSON`, () => keep(`${file}-${id}.json`, path(kind), 'application/json')],
-        [`${name} SVG`, () => keep(`${file}-${id}.svg`, `/v1/jobs/${id}/plots/${file}.svg`, 'image/svg+xml')],
-      ];
-    });
-    this.extras.replaceChildren(
-      ...tables,
-      this.#downloads(files, { path: path(shown[0].kind, limitOf(shown[0].kind)), accept: 'text/csv' }),
-    );
-  }
-
-  /** Draws one spectrum and returns the table of its lines. */
-  #spectrumOf({ kind, plot, caption }, spectrum, limit) {
-    const lines = linesOf(this.metrics, kind).filter((line) => line.channel === this.channel);
-    plot.draw({ spectra: [{ name: this.channel, ...spectrum }], lines, unit: spectrum.unit, limit });
-    const strongest = lines[0];
-    const name = kind === 'envelope' ? 'Envelope' : 'Amplitude';
-    const text =
-      `${name} spectrum of ${channelName(this.channel)} up to ${quantity(limit / 1000, 'kHz')}, resolution ${quantity(spectrum.resolution_hz, 'Hz', 3)}.` +
-      (strongest
-        ? ` Strongest line: ${strongest.label || 'unnamed'} at ${quantity(strongest.frequency_hz, 'Hz')}, ${quantity(strongest.amplitude, spectrum.unit, 3)}.`
-        : '');
-    plot.describe(text);
-    caption.textContent = `${text} Drag to zoom.`;
-    const rows = lines.map((line) => [
-      line.label ? lineName(line.label) : '–',
-      number(line.frequency_hz, 5),
-      number(line.amplitude, 3),
-      number(line.deviation_hz, 2),
-    ]);
-    return more(
-      kind === 'envelope' ? `Lines of the envelope as a table (${lines.length})` : `Lines as a table (${lines.length})`,
-      table(
-        `Lines of the ${kind} spectrum of ${channelName(this.channel)}`,
-        ['Line', 'Frequency, Hz', `Amplitude, ${spectrum.unit}`, 'Deviation, Hz'],
-        rows,
-        { hidden: true },
-      ),
-    );
+    const { files, request, tables } = await this.spectra.draw(this.stage, { job: this.job, metrics: this.metrics, channels: this.channels }, signal);
+    this.extras.replaceChildren(...tables, this.#downloads(files, request));
   }
 
   /** Orbit, velocity or acceleration: from kept series, or the plot of the service. */

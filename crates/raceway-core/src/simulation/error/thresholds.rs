@@ -2,7 +2,8 @@
 //! threshold of one file stands in that file.
 //!
 //! Commands: *drawn* = `cargo bench --bench calibration -- drawn`, *settling* = `cargo bench --bench calibration -- settling`,
-//! *steps* = `cargo bench --bench fixed_steps`, *limits* = `cargo test --release --test limits`.
+//! *steps* = `cargo bench --bench fixed_steps`, *limits* = `cargo test --release --test limits`,
+//! *tilt* = `benches/compare/tilt.py`.
 
 /// Window of a verification against a richer model, and settling time before it [s]; *drawn*. After 2 ms, a window of 6 ms showed only a fifth of
 /// the 0.1 dB by which single levels deviated.
@@ -69,13 +70,12 @@ pub const INERTIA_OVER_PRELOAD: f64 = 0.1;
 pub const MIN_DECAY_EFOLDS: f64 = 2.0;
 /// Scatter of a level from which no window represents the rest [dB]; *drawn*.
 pub const WINDOW_SCATTER_DB: f64 = 1.5;
-/// Sine of a contact angle from which balls are out of the plane [-]: growing, and in any case; rate of growth [1/s]; *drawn*.
+/// Sine of a contact angle from which balls are out of the plane [-], and the shortest window that then shows their effect [s]; sine and growth
+/// [1/s] from which it does not represent the run; *tilt*.
 pub const IN_PLANE_SINE: f64 = 5e-4;
-pub const OUT_OF_PLANE_SINE: f64 = 2.5e-3;
-pub const LEAVING_PLANE_PER_S: f64 = 12.0;
-/// Shortest window that shows this rate, and the window that replaces a shorter one [s]; *drawn*.
-pub const LEAVING_WINDOW_S: f64 = 0.025;
-pub const LONG_WINDOW_S: f64 = 0.03;
+pub const OUT_OF_PLANE_SINE: f64 = 1e-2;
+pub const TILT_WINDOW_S: f64 = 0.1;
+pub const LEAVING_PLANE_PER_S: f64 = 5.0;
 
 /// Viscosity over shaft speed from which cage and balls may tilt [Pa s²], and from which they may do so late in a run; *drawn*.
 pub const TILT_VISCOSITY: f64 = 2.5e-5;

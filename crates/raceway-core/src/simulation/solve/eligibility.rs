@@ -167,12 +167,17 @@ pub fn tilt_risk(scene: &Scene) -> Option<Ineligible> {
 
 /// True if the lubricant is so viscous at this speed that cage and balls may tilt.
 pub fn may_tilt(scene: &Scene) -> bool {
-    scene.lubricant.viscosity > TILT_VISCOSITY * scene.operating_speed().abs()
+    can_tilt(scene) && scene.lubricant.viscosity > TILT_VISCOSITY * scene.operating_speed().abs()
 }
 
 /// True if cage and balls may begin to tilt late in a run.
 pub fn may_tilt_late(scene: &Scene) -> bool {
-    scene.lubricant.viscosity > LATE_TILT_VISCOSITY * scene.operating_speed().abs()
+    can_tilt(scene) && scene.lubricant.viscosity > LATE_TILT_VISCOSITY * scene.operating_speed().abs()
+}
+
+/// True if something moves the cage out of the plane: the seats of a crown, or a push at the start.
+fn can_tilt(scene: &Scene) -> bool {
+    !scene.cage.is_symmetric() || scene.operation.perturbation.is_some()
 }
 
 /// True if weight and inertia of the cage, which act outside the plane of the balls, may move the balls out of this plane.

@@ -7,7 +7,7 @@ use crate::simulation::error::lyapunov::{self, DivergenceEstimate, Pairs};
 use crate::simulation::error::stationarity::{is_stationary, scattering_level, together};
 use crate::simulation::error::thresholds::{
     BALL_DRIFT, CAGE_SPEED_CHANGE, DIVERGENCE_CAGE_TURNS, IN_PLANE_SINE, INERTIA_OVER_PRELOAD, LEAVING_PLANE_PER_S,
-    LEAVING_WINDOW_S, LONG_WINDOW_S, MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE, WINDOW_PASSAGES,
+    MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE, TILT_WINDOW_S, WINDOW_PASSAGES,
 };
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::control::Control;
@@ -46,14 +46,13 @@ pub(crate) fn by_richer_model(
     let Problem { scene, settings, .. } = *problem;
     let is_condensed = level == ModelLevel::RadiallyCondensed;
     let stepped = RunSettings { fixed_step: attempt.step, ..settings.clone() };
-    let short = window_of(level, scene, settings);
-    let window = short.duration;
-    let windowed = control.part((0.0, 0.5), |control| compare_window(level, &short, attempt, problem, control));
+    let windowed = control.part((0.0, 0.5), |control| compared(level, attempt, problem, control));
     let compared = match or_failure(windowed)? {
         Ok(compared) => compared,
         Err(failure) => return Ok(Verification { failure: Some(failure), ..Verification::default() }),
     };
-    let Compared { mut deviation, own, richer, richer_level, leaves } = compared;
+    let Compared { short, mut deviation, own, richer, richer_level, leaves } = compared;
+    let window = short.duration;
     let is_uneven = is_condensed && !is_stationary(&attempt.recording, &settings.outputs, settings.model_tolerance_db);
     // Motion that is neither periodic nor stationary is compared over a time that represents it.
     let represented = match scene.operation.is_steady() {
@@ -153,6 +152,7 @@ fn window_of(level: ModelLevel, scene: &Scene, settings: &RunSettings) -> RunSet
 
 /// A window on both models.
 struct Compared {
+    short: RunSettings,
     deviation: Deviation,
     own: Recording,
     richer: Recording,
@@ -160,9 +160,32 @@ struct Compared {
     leaves: Option<Gap>,
 }
 
+/// A window on both models, a longer one where balls leave the plane or are likely to: their tilt changes slowly.
+fn compared(
+    level: ModelLevel,
+    attempt: &Attempt,
+    problem: &Problem<'_>,
+    control: &Control<'_>,
+) -> Result<Compared, SimulationError> {
+    let Problem { scene, settings, .. } = *problem;
+    let short = window_of(level, scene, settings);
+    let long = RunSettings { duration: TILT_WINDOW_S.min(settings.duration), ..short.clone() };
+    let compare = |window| compare_window(level, window, attempt, problem, control);
+    if level != ModelLevel::RadiallyCondensed || short.duration >= long.duration {
+        return compare(short);
+    }
+    if tilt_risk(scene).is_none() {
+        let found = compare(short)?;
+        if out_of_plane(&found.richer.parts) <= IN_PLANE_SINE {
+            return Ok(found);
+        }
+    }
+    compare(long)
+}
+
 fn compare_window(
     level: ModelLevel,
-    short: &RunSettings,
+    short: RunSettings,
     attempt: &Attempt,
     problem: &Problem<'_>,
     control: &Control<'_>,
@@ -177,16 +200,11 @@ fn compare_window(
         let model = Model::new(scene, &terms);
         let start = InitialState::at_rest(&model)?;
         let dynamics = Dynamics { model, terms, start };
-        let richer = dynamics_window(&dynamics, short, settings, control)?;
+        let richer = dynamics_window(&dynamics, &short, settings, control)?;
         leaves = leaving_plane(&richer, short.duration);
-        if short.duration < LEAVING_WINDOW_S && leaves.is_some() {
-            // Such a short window may show random growth.
-            let long = RunSettings { duration: LONG_WINDOW_S, ..short.clone() };
-            leaves = leaving_plane(&dynamics_window(&dynamics, &long, settings, control)?, LONG_WINDOW_S);
-        }
         (dynamics.terms.rung, richer)
     } else {
-        let richer = record(ModelLevel::RadiallyCondensed, scene, short, &quiet)?.0;
+        let richer = record(ModelLevel::RadiallyCondensed, scene, &short, &quiet)?.0;
         (ModelLevel::RadiallyCondensed, richer)
     };
     let unseen = (1.0 - short.duration / settings.duration).max(0.0).sqrt();
@@ -197,7 +215,7 @@ fn compare_window(
         // The largest load of the run occurs at a different approach from that in the window. There, the law of the contacts has a different error.
         errors.max_load += condensed_contact::LOAD_ERROR;
     }
-    Ok(Compared { deviation, own, richer, richer_level, leaves })
+    Ok(Compared { short, deviation, own, richer, richer_level, leaves })
 }
 
 /// Window of the dynamics. Fixed steps are used if no step is selected and the integration does not diverge; otherwise error control.
@@ -333,12 +351,16 @@ fn inertia_exceeds_preload(scene: &Scene, settings: &RunSettings, recording: &Re
     (share > INERTIA_OVER_PRELOAD && !comes_to_rest()).then_some(Gap::InertiaExceedsPreload(share))
 }
 
+/// Largest sine of a contact angle [-].
+fn out_of_plane(parts: &[Quantities]) -> f64 {
+    parts.iter().fold(0.0, |most, part| most.max(part.out_of_plane))
+}
+
 /// Reports a motion that begins in the plane and may leave it. Planar motion solves the equations except for a small tilt by the seat of the crown,
 /// which grows in a viscous grease at low speed.
 fn leaving_plane(recording: &Recording, window: f64) -> Option<Gap> {
-    let most = |parts: &[Quantities]| parts.iter().fold(0.0, |most, part| f64::max(most, part.out_of_plane));
     let (first, second) = recording.parts.split_at(recording.parts.len() / 2);
-    let (before, after) = (most(first), most(second));
+    let (before, after) = (out_of_plane(first), out_of_plane(second));
     let rate = (after / before).ln() / (0.5 * window);
     let grows = after > IN_PLANE_SINE && before > 0.0 && rate > LEAVING_PLANE_PER_S;
     (grows || after > OUT_OF_PLANE_SINE).then(|| Gap::BallsLeavePlane {

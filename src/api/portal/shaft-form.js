@@ -1,0 +1,301 @@
+// The form of a shaft: its lists and single fields. It writes edits into the request; errors appear at the field of their pointer.
+
+import { h, more, select, small, tools } from './dom.js';
+import { help } from './fields.js';
+import { plainNumber } from './format.js';
+import { read } from './request.js';
+import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT } from './shaft-lists.js';
+import { arrangement, dimensions, listAt, renamed, set } from './shaft-request.js';
+
+const BEARINGS = '/scene/bearings';
+const PRELOADS = '/scene/preloads';
+/** Required dimensions of a bearing without preset; they start with those of the bearing before. */
+const REQUIRED = [
+  'type',
+  'outer_diameter_mm',
+  'inner_diameter_mm',
+  'width_mm',
+  'ball_count',
+  'ball_diameter_mm',
+  'pitch_diameter_mm',
+];
+const OWN = '';
+
+const idOf = (pointer) => `s${pointer.replaceAll('/', '-')}`;
+
+export class ShaftForm {
+  #fields = new Map();
+  #places = new Map();
+  #unreadable = new Map();
+
+  /** `onChange(request)` gets every changed request. */
+  constructor(host, { document: openapi, presets, onChange }) {
+    Object.assign(this, { openapi, presets, onChange });
+    // The service's document decides: what it does not describe is left out.
+    this.known = LISTS.filter(({ of }) => openapi.components.schemas[of]).map((list) => ({
+      ...list,
+      fields: this.#described(list),
+      more: (list.more ?? []).map((group) => ({ ...group, fields: this.#described(group) })),
+    }));
+    this.lists = new Map(this.known.map((list) => [list.pointer, this.#list(list)]));
+    host.replaceChildren(
+      this.#group(OPERATION),
+      ...[...this.lists.values()].map(({ element }) => element),
+      this.#group(SHAFT),
+      this.#group(ANALYSIS),
+      this.#group(RUN),
+    );
+  }
+
+  /** Whether a field contains text that is not a number. */
+  get unreadable() {
+    return this.#unreadable.size > 0;
+  }
+
+  /** Shows a request. The field that is being edited keeps its text. */
+  show(request) {
+    this.request = request;
+    // A list is built anew when its items, or those that it may name, change.
+    for (const list of this.known) {
+      const shown = this.lists.get(list.pointer);
+      const items = listAt(request, list.pointer);
+      const shape = JSON.stringify([
+        items.length,
+        ...namedIn(list).map((pointer) => listAt(request, pointer).map(({ name }) => name)),
+      ]);
+      if (shape !== shown.shape) this.#build(list, shown, items.length, shape);
+      shown.summary.textContent = items.length && !list.open ? `${list.title}: ${items.length}` : list.title;
+    }
+    for (const [pointer, { input, ofValue }] of this.#fields) {
+      if (!this.#unreadable.has(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
+      if (input.tagName === 'INPUT') input.placeholder = this.#fallback(pointer);
+    }
+    this.#notes();
+  }
+
+  /** Shows errors at their fields, else at the item or list that holds them. Returns those of no place. */
+  showErrors(errors) {
+    const at = new Map();
+    const elsewhere = [];
+    for (const { pointer, detail } of errors) {
+      const known = (one) => this.#fields.has(one) || this.#places.has(one);
+      let near = pointer;
+      while (near && !known(near)) near = near.slice(0, near.lastIndexOf('/'));
+      const text = near === pointer ? detail : `${pointer.slice(near.length + 1)}: ${detail}`;
+      if (near) at.set(near, [...(at.get(near) ?? []), text]);
+      else elsewhere.push({ pointer, detail });
+    }
+    for (const [pointer, detail] of this.#unreadable) at.set(pointer, [detail]);
+    for (const [pointer, { input, error }] of this.#fields) {
+      const details = at.get(pointer) ?? [];
+      error.textContent = details.join('\n');
+      input.closest('.field').classList.toggle('wrong', details.length > 0);
+      if (details.length) input.setAttribute('aria-invalid', 'true');
+      else input.removeAttribute('aria-invalid');
+    }
+    for (const [pointer, error] of this.#places) error.textContent = (at.get(pointer) ?? []).join('\n');
+    for (const pointer of at.keys()) opened(this.#fields.get(pointer)?.input ?? this.#places.get(pointer));
+    return elsewhere;
+  }
+
+  /** Focuses the first field of an item. */
+  focus(pointer) {
+    const [found] = [...this.#fields].filter(([one]) => one.startsWith(`${pointer}/`) && !one.endsWith('/name'));
+    const input = found?.[1].input;
+    if (!input) return;
+    opened(input);
+    input.focus({ preventScroll: true });
+    input.closest('.item').scrollIntoView({ block: 'nearest' });
+  }
+
+  focusFirstError() {
+    this.lists.get(this.known[0].pointer).element.closest('form').querySelector('.field.wrong :is(input, select)')?.focus();
+  }
+
+  /** Removes an item; the button that adds one to its list gets the focus. */
+  remove(pointer, index) {
+    const items = listAt(this.request, pointer).filter((_, i) => i !== index);
+    const [gone] = listAt(this.request, pointer).slice(index, index + 1);
+    let request = set(this.request, pointer, items.length || pointer.endsWith('sections') ? items : undefined);
+    // A pair without one of its bearings is none.
+    const pairs = listAt(request, PRELOADS).filter(({ between }) => pointer !== BEARINGS || !between?.includes(gone.name));
+    if (pairs.length < listAt(request, PRELOADS).length) request = set(request, PRELOADS, pairs.length ? pairs : undefined);
+    const list = this.lists.get(pointer);
+    list.shape = '';
+    this.#change(request);
+    list.adder.focus();
+  }
+
+  #change(request) {
+    this.show(request);
+    this.onChange(request);
+  }
+
+  /** The fields of a list or group that the service describes. */
+  #described({ of, fields }) {
+    return fields.filter((spec) => this.#schema(spec.of ?? of, spec.path));
+  }
+
+  /** The schema of a field: a property of `of`, named by the last step that is no index. */
+  #schema(of, path) {
+    const property = path.split('/').findLast((step) => !/^\d+$/.test(step));
+    return this.openapi.components.schemas[of]?.properties?.[property];
+  }
+
+  #fallback(pointer) {
+    const { fallback = '' } = this.#fields.get(pointer);
+    const bearing = pointer.match(/^(\/scene\/bearings\/\d+\/bearing)\/(\w+)$/);
+    const value = bearing && dimensions(read(this.request, bearing[1]), this.presets)[bearing[2]];
+    return typeof value === 'number' ? String(value) : fallback;
+  }
+
+  #group({ title, open, of, fields }) {
+    return h(
+      'details',
+      { class: 'group', open },
+      h('summary', {}, title),
+      h(
+        'div',
+        { class: 'fields' },
+        fields.map((spec) => this.#field(spec.pointer, { of, ...spec })),
+      ),
+    );
+  }
+
+  #list({ pointer, title, item, open, fresh }) {
+    const summary = h('summary', {}, title);
+    const items = h('div', {});
+    const error = h('p', { class: 'error', 'aria-live': 'polite' });
+    const note = h('p', { class: 'note' });
+    this.#places.set(pointer, error);
+    const add = () => {
+      const count = listAt(this.request, pointer).length;
+      this.#change(set(this.request, pointer, [...listAt(this.request, pointer), fresh(this.request)]));
+      this.focus(`${pointer}/${count}`);
+    };
+    const adder = small(`Add ${item.toLowerCase()}`, add);
+    return {
+      summary,
+      items,
+      note,
+      adder,
+      element: h('details', { class: 'group', open }, summary, error, items, note, tools(adder)),
+    };
+  }
+
+  #build(list, shown, count, shape) {
+    shown.shape = shape;
+    const gone = (known) => known.startsWith(`${list.pointer}/`);
+    for (const of of [this.#fields, this.#places, this.#unreadable])
+      [...of.keys()].filter(gone).forEach((key) => of.delete(key));
+    shown.items.replaceChildren(...Array.from({ length: count }, (_, i) => this.#item(list, i)));
+  }
+
+  #item({ pointer, item, of, fields, more: groups = [] }, index) {
+    const here = `${pointer}/${index}`;
+    const error = h('p', { class: 'error', 'aria-live': 'polite' });
+    this.#places.set(here, error);
+    const inside = (specs, schema) => specs.map((spec) => this.#field(`${here}/${spec.path}`, { of: schema, ...spec }));
+    return h(
+      'fieldset',
+      { class: 'item' },
+      h('legend', {}, `${item} ${index + 1}`),
+      pointer === BEARINGS && this.#bearing(`${here}/bearing`),
+      h('div', { class: fields.length === 3 ? 'fields three' : 'fields' }, inside(fields, of)),
+      error,
+      groups.map((group) => more(group.summary, h('div', { class: 'fields' }, inside(group.fields, group.of)))),
+      small('Remove', () => this.remove(pointer, index), { 'aria-label': `Remove ${item.toLowerCase()} ${index + 1}` }),
+    );
+  }
+
+  /** The choice of a preset or of own dimensions. */
+  #bearing(pointer) {
+    const choose = (name) => {
+      const now = dimensions(read(this.request, pointer), this.presets);
+      const own = Object.fromEntries(REQUIRED.map((field) => [field, now[field]]));
+      this.#change(set(this.request, pointer, name || own));
+    };
+    const input = select([...Object.keys(this.presets.bearings).map((name) => [name, name]), [OWN, 'own dimensions']], choose);
+    return this.#registered(pointer, input, {
+      label: 'Bearing',
+      ofValue: (value) => (typeof value === 'string' ? value : (value?.preset ?? OWN)),
+    });
+  }
+
+  #field(pointer, spec) {
+    if (spec.choices || spec.names) return this.#choice(pointer, spec);
+    const input = h('input', {
+      type: 'text',
+      inputmode: spec.text ? 'text' : 'decimal',
+      autocomplete: 'off',
+      spellcheck: 'false',
+      oninput: () =>
+        spec.text
+          ? this.#change(renamed(this.request, pointer, input.value.trim()))
+          : this.#typed(pointer, input.value, spec.size),
+    });
+    const ofValue = (value) => (typeof value === 'object' ? 'list' : (value ?? ''));
+    return this.#registered(pointer, input, { ...spec, ofValue });
+  }
+
+  #choice(pointer, { choices, names, none, ...spec }) {
+    const pairs = names
+      ? [...(none ? [['', none]] : []), ...listAt(this.request, names).map(({ name }) => [name, name])]
+      : typeof choices === 'function'
+        ? choices(this.presets)
+        : choices;
+    const input = select(pairs, (value) => this.#change(set(this.request, pointer, value || undefined)));
+    const ofValue = (value) => (typeof value === 'object' ? '' : (value ?? pairs[0]?.[0] ?? ''));
+    return this.#registered(pointer, input, { ...spec, ofValue });
+  }
+
+  #registered(pointer, input, { label, unit, of, fallback, ofValue }) {
+    const id = idOf(pointer);
+    const error = h('p', { id: `${id}-error`, class: 'error', 'aria-live': 'polite' });
+    input.id = id;
+    input.setAttribute('aria-describedby', `${unit ? `${id}-unit ` : ''}${id}-error`);
+    this.#fields.set(pointer, { input, error, fallback, ofValue });
+    const schema = this.#schema(of, pointer) ?? {};
+    return h(
+      'div',
+      { class: 'field' },
+      h('label', { for: id }, label),
+      h('div', { class: 'entry' }, input, unit && h('span', { id: `${id}-unit`, class: 'unit' }, unit)),
+      error,
+      h('p', { class: 'hint' }, help(schema)),
+    );
+  }
+
+  #typed(pointer, entered, size) {
+    const text = plainNumber(entered);
+    this.#unreadable.delete(pointer);
+    if (text !== '' && !Number.isFinite(Number(text))) {
+      this.#unreadable.set(pointer, 'This is not a number.');
+      this.onChange(this.request);
+      return;
+    }
+    this.#change(set(this.request, pointer, text === '' ? undefined : Number(text), size));
+  }
+
+  /** The arrangement of each preloaded pair. */
+  #notes() {
+    const bearings = listAt(this.request, BEARINGS);
+    const pairs = listAt(this.request, PRELOADS).map(({ between = [] }) =>
+      between.map((name) => bearings.find((one) => one.name === name)),
+    );
+    const texts = pairs
+      .filter((pair) => pair.length === 2 && pair.every(Boolean))
+      .map((pair) => `${pair[0].name} and ${pair[1].name}: ${arrangement(pair)}`);
+    this.lists.get(PRELOADS).note.textContent = texts.join('; ');
+  }
+}
+
+/** Lists whose items the fields of a list name. */
+const namedIn = ({ fields, more: groups = [] }) => [
+  ...new Set([...fields, ...groups.flatMap((group) => group.fields)].map(({ names }) => names).filter(Boolean)),
+];
+
+/** Opens the groups around an element. */
+function opened(element) {
+  for (let group = element?.closest('details'); group; group = group.parentElement.closest('details')) group.open = true;
+}

@@ -1,0 +1,302 @@
+// The lists of a shaft's scene with the fields of their items. Limits and help come from the OpenAPI document.
+
+import { lengthOf, listAt } from './shaft-request.js';
+
+const field = (path, label, unit = '', more = {}) => ({ path, label, unit, ...more });
+const at = field('at_mm', 'Place', 'mm');
+
+const DIRECTIONS = [
+  ['x', 'x'],
+  ['y', 'y'],
+  ['z', 'z'],
+];
+
+/** A place that is still free: a share of the length, in whole millimetres. */
+const place = (request, share) => Math.round(lengthOf(request) * share);
+
+/** A name that no item of a list has. */
+function freeName(request, pointer, candidates) {
+  const taken = listAt(request, pointer).map(({ name }) => name);
+  return candidates.find((name) => !taken.includes(name)) ?? `${candidates[0]}${taken.length + 1}`;
+}
+
+const materials = ({ materials: known }) => [['', 'default'], ...Object.keys(known).map((name) => [name, name])];
+
+const BODIES = '/scene/housing/bodies';
+/** The body that holds an item; the ground without one. */
+const on = (path, label = 'Held by') => field(path, label, '', { names: BODIES, none: 'the ground' });
+const triple = (path, label, unit, more) =>
+  ['x', 'y', 'z'].map((axis, i) => field(`${path}/${i}`, `${label} ${axis}`, unit, { size: 3, ...more }));
+
+const LETTERS = [...'ABCDEFGH'];
+const numbered = (name) => Array.from({ length: 16 }, (_, i) => `${name}${i + 1}`);
+
+/** `fresh(request)`: a new item. `choices`: pairs, or a function of the presets. `names`: a list whose
+ *  items may be named, `none` without one. `of`: schema of an item.
+ *  `more`: fields behind a summary. */
+export const LISTS = [
+  {
+    pointer: '/scene/shaft/sections',
+    title: 'Sections',
+    item: 'Section',
+    of: 'SectionInput',
+    open: true,
+    fields: [
+      field('length_mm', 'Length', 'mm'),
+      field('outer_diameter_mm', 'Diameter', 'mm'),
+      field('inner_diameter_mm', 'Bore', 'mm', { fallback: '0' }),
+    ],
+    fresh: (request) => {
+      const last = listAt(request, '/scene/shaft/sections').at(-1);
+      return { ...last, length_mm: 50, outer_diameter_mm: last?.outer_diameter_mm ?? 40 };
+    },
+  },
+  {
+    pointer: '/scene/bearings',
+    title: 'Ball bearings',
+    item: 'Bearing',
+    of: 'RotorBearingInput',
+    open: true,
+    fields: [
+      field('name', 'Name', '', { text: true }),
+      at,
+      field('faces', 'Carries thrust', '', {
+        choices: [
+          ['+x', '+x'],
+          ['-x', '−x'],
+        ],
+      }),
+    ],
+    fresh: (request) => {
+      const bearings = listAt(request, '/scene/bearings');
+      return {
+        name: freeName(request, '/scene/bearings', LETTERS),
+        bearing: structuredClone(bearings.at(-1)?.bearing ?? '6205'),
+        at_mm: place(request, 0.5),
+        faces: '+x',
+      };
+    },
+    more: [
+      {
+        summary: 'Dimensions',
+        of: 'BearingInput',
+        fields: [
+          field('bearing/type', 'Type', '', {
+            choices: [
+              ['deep_groove', 'deep groove'],
+              ['angular_contact', 'angular contact'],
+            ],
+          }),
+          field('bearing/outer_diameter_mm', 'Outer diameter', 'mm'),
+          field('bearing/inner_diameter_mm', 'Bore', 'mm'),
+          field('bearing/width_mm', 'Width', 'mm'),
+          field('bearing/ball_count', 'Balls', ''),
+          field('bearing/ball_diameter_mm', 'Ball diameter', 'mm'),
+          field('bearing/pitch_diameter_mm', 'Pitch diameter', 'mm'),
+          field('bearing/contact_angle_deg', 'Contact angle', '°'),
+          field('bearing/radial_clearance_um', 'Clearance', 'µm'),
+          field('bearing/inner_groove_curvature', 'Inner curvature', '', { fallback: '0.52' }),
+          field('bearing/outer_groove_curvature', 'Outer curvature', '', { fallback: '0.53' }),
+          field('bearing/materials/ball', 'Balls of', '', {
+            of: 'MaterialsInput',
+            choices: materials,
+          }),
+        ],
+      },
+      {
+        summary: 'Outer ring',
+        of: 'OuterRingInput',
+        fields: [
+          field('outer_ring/seat', 'Seat', '', {
+            choices: [
+              ['', 'rigid'],
+              ['elastic', 'elastic'],
+              ['sliding', 'sliding'],
+            ],
+          }),
+          on('outer_ring/on'),
+          field('outer_ring/stiffness_n_per_um/0', 'Stiffness along x', 'N/µm', { size: 2 }),
+          field('outer_ring/stiffness_n_per_um/1', 'Stiffness across', 'N/µm', { size: 2 }),
+          field('outer_ring/spring_force_n', 'Force of the spring', 'N'),
+          field('outer_ring/spring_n_per_um', 'Its stiffness', 'N/µm'),
+          field('outer_ring/tilt_mrad/y', 'Tilt about y', 'mrad', { fallback: '0', of: 'OuterTiltInput' }),
+          field('outer_ring/tilt_mrad/z', 'Tilt about z', 'mrad', { fallback: '0', of: 'OuterTiltInput' }),
+        ],
+      },
+      {
+        summary: 'Spall of the outer raceway',
+        of: 'DefectInput',
+        fields: [
+          field('surfaces/outer/defects/0/azimuth_deg', 'Azimuth', '°'),
+          field('surfaces/outer/defects/0/length_mm', 'Length', 'mm'),
+          field('surfaces/outer/defects/0/width_mm', 'Width', 'mm', { fallback: 'whole' }),
+          field('surfaces/outer/defects/0/depth_um', 'Depth', 'µm'),
+        ],
+      },
+    ],
+  },
+  {
+    pointer: '/scene/preloads',
+    title: 'Preloads of pairs',
+    item: 'Preload',
+    of: 'PreloadInput',
+    open: true,
+    fields: [
+      field('between/0', 'Between', '', { names: '/scene/bearings' }),
+      field('between/1', 'and', '', { names: '/scene/bearings' }),
+      field('force_n', 'Force', 'N'),
+      field('offset_um', 'or offset', 'µm'),
+    ],
+    fresh: (request) => {
+      const [one, other] = listAt(request, '/scene/bearings').map(({ name }) => name);
+      return { between: [one ?? 'A', other ?? 'B'], force_n: 200 };
+    },
+  },
+  {
+    pointer: '/scene/shaft/discs',
+    title: 'Discs',
+    item: 'Disc',
+    of: 'DiscInput',
+    fields: [
+      at,
+      field('mass_kg', 'Mass', 'kg'),
+      field('transverse_inertia_kg_m2', 'Inertia about a diameter', 'kg m²', { fallback: '0' }),
+      field('axial_inertia_kg_m2', 'Inertia about the axis', 'kg m²', { fallback: '0' }),
+    ],
+    fresh: (request) => ({
+      at_mm: place(request, 0.5),
+      mass_kg: 1,
+      transverse_inertia_kg_m2: 8e-4,
+      axial_inertia_kg_m2: 1.5e-3,
+    }),
+  },
+  {
+    pointer: '/scene/shaft/unbalances',
+    title: 'Unbalance planes',
+    item: 'Unbalance',
+    of: 'UnbalanceInput',
+    fields: [at, field('unbalance_g_mm', 'Unbalance', 'g·mm'), field('phase_deg', 'Phase', '°', { fallback: '0' })],
+    fresh: (request) => ({ at_mm: place(request, 0.5), unbalance_g_mm: 5 }),
+  },
+  {
+    pointer: '/scene/supports',
+    title: 'Linear supports',
+    item: 'Support',
+    of: 'SupportInput',
+    fields: [
+      at,
+      on('on'),
+      ...triple('stiffness_n_per_um', 'Stiffness', 'N/µm'),
+      ...triple('damping_n_s_per_m', 'Damping', 'N·s/m', { fallback: '0' }),
+    ],
+    fresh: (request) => ({ at_mm: place(request, 0.9), stiffness_n_per_um: [0, 50, 50], damping_n_s_per_m: [0, 200, 200] }),
+  },
+  {
+    pointer: BODIES,
+    title: 'Housing bodies',
+    item: 'Body',
+    of: 'BodyInput',
+    fields: [field('name', 'Name', '', { text: true }), at, field('mass_kg', 'Mass', 'kg')],
+    more: [
+      { summary: 'Inertia', of: 'BodyInput', fields: triple('inertia_kg_m2', 'About', 'kg m²', { fallback: 'of a cube' }) },
+    ],
+    fresh: (request) => ({
+      name: freeName(request, BODIES, ['head', ...numbered('body')]),
+      at_mm: place(request, 0.5),
+      mass_kg: 8,
+    }),
+  },
+  {
+    pointer: '/scene/housing/mounts',
+    title: 'Housing mounts',
+    item: 'Mount',
+    of: 'MountInput',
+    fields: [
+      field('body', 'Of the body', '', { names: BODIES }),
+      at,
+      ...triple('stiffness_n_per_um', 'Stiffness', 'N/µm'),
+      ...triple('damping_n_s_per_m', 'Damping', 'N·s/m', { fallback: '0' }),
+      ...['y', 'z'].map((axis, i) =>
+        field(`tilt_n_m_per_mrad/${i}`, `Against tilt ${axis}`, 'N·m/mrad', { fallback: '0', size: 2 }),
+      ),
+    ],
+    fresh: (request) => {
+      const [body] = listAt(request, BODIES);
+      const usual = { stiffness_n_per_um: [50, 50, 50], damping_n_s_per_m: [300, 300, 300], tilt_n_m_per_mrad: [20, 20] };
+      return { body: body?.name ?? 'head', at_mm: body?.at_mm ?? place(request, 0.5), ...usual };
+    },
+  },
+  {
+    pointer: '/scene/sensors',
+    title: 'Sensors',
+    item: 'Sensor',
+    of: 'SensorInput',
+    fields: [
+      field('name', 'Name', '', { text: true }),
+      at,
+      field('direction', 'Direction', '', { choices: DIRECTIONS }),
+      field('on', 'On', '', { names: BODIES, none: 'the shaft' }),
+      field('relative_to', 'Relative to', '', { names: BODIES, none: 'the ground' }),
+    ],
+    fresh: (request) => ({
+      name: freeName(request, '/scene/sensors', numbered('s')),
+      at_mm: place(request, 0.1),
+      direction: 'y',
+    }),
+  },
+];
+
+const single = (pointer, label, unit, more = {}) => ({ pointer, label, unit, ...more });
+
+/** Single fields, in groups before and after the lists. `of` and `name`: schema and property of the help. */
+export const OPERATION = {
+  title: 'Operation',
+  open: true,
+  of: 'RotorOperationInput',
+  fields: [
+    single('/scene/operation/speed_rpm', 'Speed', 'r/min'),
+    single('/scene/operation/radial_load_y_n', 'Radial load y', 'N', { fallback: '0' }),
+    single('/scene/operation/radial_load_z_n', 'Radial load z', 'N', { fallback: '0' }),
+    single('/scene/operation/axial_load_n', 'Axial load', 'N', { fallback: '0' }),
+  ],
+};
+
+export const SHAFT = {
+  title: 'Material and damping',
+  of: 'ShaftInput',
+  fields: [
+    single('/scene/shaft/material', 'Material', '', {
+      choices: materials,
+    }),
+    single('/scene/shaft/axial', 'Motion along x', '', {
+      choices: [
+        ['', 'default'],
+        ['fixed', 'fixed'],
+        ['free', 'free'],
+      ],
+    }),
+    single('/scene/shaft/damping_ratio', 'Damping ratio', '', { fallback: '0.005' }),
+    single('/scene/shaft/rotating_share', 'Share that turns', '', { fallback: '0' }),
+  ],
+};
+
+export const ANALYSIS = {
+  title: 'Speeds of the Campbell diagram',
+  open: true,
+  of: 'SpeedRangeInput',
+  fields: [
+    single('/speeds_rpm/from', 'From', 'r/min', { fallback: '0' }),
+    single('/speeds_rpm/to', 'To', 'r/min'),
+    single('/speeds_rpm/count', 'Number', '', { fallback: '50' }),
+    single('/modes', 'Motions', '', { fallback: '8', of: 'RotorJob' }),
+  ],
+};
+
+export const RUN = {
+  title: 'Run in time',
+  of: 'MachineJob',
+  fields: [
+    single('/duration_s', 'Recorded time', 's', { fallback: '0.2' }),
+    single('/settle_s', 'Settling time', 's', { fallback: 'automatic' }),
+  ],
+};
