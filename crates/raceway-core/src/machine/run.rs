@@ -14,21 +14,15 @@ use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::statistics::rms;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
+use crate::simulation::solve::fixed_step::AXIAL_STEP;
+use crate::simulation::solve::startup::{CAGE_SETTLE_RANGE_S, MAX_SETTLE_S, SETTLE_CAGE_TURNS, SETTLED_EFOLDS};
 
-/// First step that is tried [s]: that of a spindle that moves along its axis.
-const STEP: f64 = 5.5e-6;
 /// Shortest step that is tried [s].
 const SHORTEST: f64 = 2.5e-7;
 /// Steps between two looks at the motion and at the caller.
 const STEPS_PER_LOOK: u64 = 64;
 /// Error of a run over its deviation from half steps: both methods are of order 2 [-].
 const ERROR_OVER_DEVIATION: f64 = 4.0 / 3.0;
-/// Decay of free vibration after which it is treated as gone [e-folds], and longest time that is allowed for it [s].
-const SETTLED_EFOLDS: f64 = 4.0;
-const MAX_SETTLE_S: f64 = 5.0;
-/// Turns of the cage in which it settles [-], and the range of the resulting time [s].
-const SETTLE_CAGE_TURNS: f64 = 3.0;
-const CAGE_SETTLE_RANGE_S: [f64; 2] = [0.02, 1.0];
 /// Longest time that is repeated in half steps [s], and largest error of a level that needs no shorter step [dB].
 const REPEATED: f64 = 0.1;
 const ALLOWED_DB: f64 = 0.1;
@@ -148,7 +142,7 @@ fn settling_time(dynamics: &MachineDynamics) -> f64 {
 /// First step that is tried [s]. It resolves the waves and defects of every bearing.
 fn first_step(dynamics: &MachineDynamics) -> f64 {
     let mechanisms = dynamics.bearings.iter().map(|bearing| bearing.dynamics.mechanism());
-    mechanisms.map(|m| m.longest_wave_step().min(m.defect_step)).fold(STEP, f64::min)
+    mechanisms.map(|m| m.longest_wave_step().min(m.defect_step)).fold(AXIAL_STEP, f64::min)
 }
 
 /// Estimated error of the level of each acceleration [dB], from a run in half steps over the first part of the time; `None` where both are

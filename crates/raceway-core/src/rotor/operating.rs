@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::input::{NoEquilibrium, Rotor, RotorBearing, RotorError};
-use super::potential::RotorPotential;
+use super::potential::{Frame, RotorPotential};
 use crate::physics::frame::support::{PORT, PortMatrix};
 use crate::physics::statics::ring::RingState;
 use crate::physics::statics::{FIRST_STEP, Pose, Wrench, check_residual, search};
@@ -14,13 +14,6 @@ pub struct OperatingPoint {
     pub coordinates: DVector<f64>,
     /// The bearings, in their order.
     pub rings: Vec<RingState>,
-}
-
-/// The linear part of the equilibrium: stiffness and load over the coordinates, and the displacements of each bearing's place.
-pub struct Frame<'a> {
-    pub stiffness: &'a DMatrix<f64>,
-    pub load: &'a DVector<f64>,
-    pub ports: &'a [DMatrix<f64>],
 }
 
 /// The equilibrium at a speed [rad/s], searched from a neighbouring one.

@@ -3,11 +3,17 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::input::RotorBearing;
-use super::operating::Frame;
 use crate::numerics::bordered::Bordered;
 use crate::numerics::minimum::{Potential, Slopes};
 use crate::physics::frame::support::PORT;
 use crate::physics::statics::{OF_BALL, Pose};
+
+/// The linear part of the equilibrium: stiffness and load over the coordinates, and the displacements of each bearing's place.
+pub struct Frame<'a> {
+    pub stiffness: &'a DMatrix<f64>,
+    pub load: &'a DVector<f64>,
+    pub ports: &'a [DMatrix<f64>],
+}
 
 /// Places: axial and radial of each ball, bearing after bearing, then the coordinates of the shaft as lengths.
 pub(super) struct RotorPotential<'a> {

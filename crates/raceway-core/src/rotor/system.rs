@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinates;
 use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorError};
-use super::operating::{Frame, OperatingPoint, in_nalgebra, operating_point};
+use super::operating::{OperatingPoint, in_nalgebra, operating_point};
+use super::potential::Frame;
 use crate::numerics::quadratic_eigen::{Oscillation, growth_rate, oscillations};
 use crate::physics::frame::mesh::Mesh;
 

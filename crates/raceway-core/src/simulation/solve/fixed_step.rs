@@ -8,7 +8,7 @@ use crate::simulation::model::system::Model;
 /// First step that is tried [s]; *steps*: levels of the article's bearing err by at most 0.02 dB.
 pub const STEP: f64 = 7.5e-6;
 /// First step where the spindle moves along the axis [s]; *steps*: the same errors.
-const AXIAL_STEP: f64 = 5.5e-6;
+pub const AXIAL_STEP: f64 = 5.5e-6;
 /// Step of the dynamics that verify a reduced model [s]: a fifth of the error of the first step.
 const VERIFYING_STEP: f64 = 0.5 * STEP;
 /// Shortest step that is tried [s]: below it error control takes no longer.

@@ -22,12 +22,12 @@ use crate::simulation::solve::fixed_step;
 
 /// Decay after which free vibration is treated as gone [e-folds]. A vibration five times as strong as the stationary one then adds less than 0.05
 /// dB to its level.
-const SETTLED_EFOLDS: f64 = 4.0;
+pub const SETTLED_EFOLDS: f64 = 4.0;
 /// Longest settling time that is allowed for this decay [s].
-const MAX_SETTLE_S: f64 = 5.0;
+pub const MAX_SETTLE_S: f64 = 5.0;
 /// Turns of the cage in which balls, cage and film settle [-], and the range of the resulting time [s].
-const SETTLE_CAGE_TURNS: f64 = 3.0;
-const CAGE_SETTLE_RANGE_S: [f64; 2] = [0.02, 1.0];
+pub const SETTLE_CAGE_TURNS: f64 = 3.0;
+pub const CAGE_SETTLE_RANGE_S: [f64; 2] = [0.02, 1.0];
 /// Settling time beyond `turning_time`, over `turning_time`, from which the attempts share the first part of it [-].
 const SHARED: f64 = 2.0;
 /// Least shared part of the settling time if contacts have a contact angle and all carry load [-], and shortest shared time [s]. The cage then
