@@ -6,8 +6,8 @@ use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::shaft::Shaft;
 use crate::physics::frame::support::{PORT, Support};
-use crate::physics::statics::ring::NoBalance;
 use crate::physics::loads::{Load, SpindleLoad, start_and_largest_change};
+use crate::physics::statics::ring::NoBalance;
 use crate::physics::statics::shaft::Mounted;
 
 /// Largest slope of the shaft under its loads [rad]: its sine is smaller by 0.2 %.

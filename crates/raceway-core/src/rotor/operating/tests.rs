@@ -52,6 +52,7 @@ fn bar(length: f64, diameter: f64, bearings: Vec<RotorBearing>) -> Rotor {
             is_axially_free: false,
         },
         unbalances: Vec::new(),
+        loads: Vec::new(),
         supports: Vec::new(),
         bearings,
         speed: 0.0,
