@@ -70,10 +70,10 @@ pub const INERTIA_OVER_PRELOAD: f64 = 0.1;
 pub const MIN_DECAY_EFOLDS: f64 = 2.0;
 /// Scatter of a level from which no window represents the rest [dB]; *drawn*.
 pub const WINDOW_SCATTER_DB: f64 = 1.5;
-/// Sine of a contact angle from which balls are out of the plane [-], and the shortest window that then shows their effect [s]; sine and growth
-/// [1/s] from which it does not represent the run; *tilt*.
+/// Sine of a contact angle from which balls are out of the plane [-], and the shortest window that then shows their effect [s]. Share of the
+/// approach under load that they take, and growth of the sine [1/s], from which it does not represent the run; *tilt*.
 pub const IN_PLANE_SINE: f64 = 5e-4;
-pub const OUT_OF_PLANE_SINE: f64 = 1e-2;
+pub const OUT_OF_PLANE_SHARE: f64 = 1.5e-3;
 pub const TILT_WINDOW_S: f64 = 0.1;
 pub const LEAVING_PLANE_PER_S: f64 = 5.0;
 

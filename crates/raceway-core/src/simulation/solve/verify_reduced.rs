@@ -7,7 +7,7 @@ use crate::simulation::error::lyapunov::{self, DivergenceEstimate, Pairs};
 use crate::simulation::error::stationarity::{is_stationary, scattering_level, together};
 use crate::simulation::error::thresholds::{
     BALL_DRIFT, CAGE_SPEED_CHANGE, DIVERGENCE_CAGE_TURNS, IN_PLANE_SINE, INERTIA_OVER_PRELOAD, LEAVING_PLANE_PER_S,
-    MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SINE, TILT_WINDOW_S, WINDOW_PASSAGES,
+    MIN_DECAY_EFOLDS, MIN_WINDOW_SETTLE_S, OUT_OF_PLANE_SHARE, TILT_WINDOW_S, WINDOW_PASSAGES,
 };
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::control::Control;
@@ -15,6 +15,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::condensed_contact;
+use crate::simulation::model::equilibrium::equilibrium;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::integrate::Stepping;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
@@ -201,7 +202,7 @@ fn compare_window(
         let start = InitialState::at_rest(&model)?;
         let dynamics = Dynamics { model, terms, start };
         let richer = dynamics_window(&dynamics, &short, settings, control)?;
-        leaves = leaving_plane(&richer, short.duration);
+        leaves = leaving_plane(scene, &dynamics.model, &richer, short.duration)?;
         (dynamics.terms.rung, richer)
     } else {
         let richer = record(ModelLevel::RadiallyCondensed, scene, &short, &quiet)?.0;
@@ -358,14 +359,28 @@ fn out_of_plane(parts: &[Quantities]) -> f64 {
 
 /// Reports a motion that begins in the plane and may leave it. Planar motion solves the equations except for a small tilt by the seat of the crown,
 /// which grows in a viscous grease at low speed.
-fn leaving_plane(recording: &Recording, window: f64) -> Option<Gap> {
+fn leaving_plane(
+    scene: &Scene,
+    model: &Model,
+    recording: &Recording,
+    window: f64,
+) -> Result<Option<Gap>, SimulationError> {
     let (first, second) = recording.parts.split_at(recording.parts.len() / 2);
     let (before, after) = (out_of_plane(first), out_of_plane(second));
     let rate = (after / before).ln() / (0.5 * window);
     let grows = after > IN_PLANE_SINE && before > 0.0 && rate > LEAVING_PLANE_PER_S;
-    (grows || after > OUT_OF_PLANE_SINE).then(|| Gap::BallsLeavePlane {
-        before: before.asin(),
-        after: after.asin(),
-        window,
-    })
+    let most = before.max(after);
+    let leaves = grows || (most > IN_PLANE_SINE && shortening(scene, model, most)? > OUT_OF_PLANE_SHARE);
+    Ok(leaves.then(|| Gap::BallsLeavePlane { before: before.asin(), after: after.asin(), window }))
+}
+
+/// Share of the approach of the most loaded ball at rest by which a contact angle shortens it [-]: the groove centres lie (1 − cos α) of their
+/// distance closer.
+fn shortening(scene: &Scene, model: &Model, sine: f64) -> Result<f64, SimulationError> {
+    let mechanism = model.mechanism();
+    let loads = equilibrium(mechanism, mechanism.speed.at(0.0).1)?.loads;
+    let load = loads.iter().fold(0.0, |most, load| f64::max(most, load.inner));
+    let depth = |stiffness: f64| (load / stiffness).powf(2.0 / 3.0);
+    let stiffness = mechanism.raceway.map(|contact| contact.hertz().stiffness);
+    Ok(0.5 * sine * sine * scene.bearing.groove_centre_distance / (depth(stiffness.inner) + depth(stiffness.outer)))
 }
