@@ -35,7 +35,6 @@ SCENES = {
     "waves of raceways and balls": ({}, WAVES, None),
     "spall 1 mm x 3 um, symmetric cage": (SYMMETRIC, spall(3), None),
     "spall 1 mm x 3 um": ({}, spall(3), None),
-    "spall 1 mm x 50 um": ({}, spall(50), None),
     "spall 1 mm x 50 um, `full` asked for": ({}, spall(50), "full"),
 }
 

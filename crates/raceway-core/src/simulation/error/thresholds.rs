@@ -73,7 +73,7 @@ pub const WINDOW_SCATTER_DB: f64 = 1.5;
 /// Sine of a contact angle from which balls are out of the plane [-], and the shortest window that then shows their effect [s]. Share of the
 /// approach under load that they take, and growth of the sine [1/s], from which it does not represent the run; *tilt*.
 pub const IN_PLANE_SINE: f64 = 5e-4;
-pub const OUT_OF_PLANE_SHARE: f64 = 1.5e-3;
+pub const OUT_OF_PLANE_SHARE: f64 = 1e-3;
 pub const TILT_WINDOW_S: f64 = 0.1;
 pub const LEAVING_PLANE_PER_S: f64 = 5.0;
 
