@@ -127,9 +127,10 @@ impl MachineJob {
     pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
         let mut draft = ShaftDraft::<MachineInput>::of(request, uploads)?;
         let (input, defaults) = (&mut draft.input, &mut draft.defaults);
-        let machine = machine(&mut input.scene, &draft.resolved, defaults);
+        let mut machine = machine(&mut input.scene, &draft.resolved, defaults);
         if machine.as_ref().is_some_and(|machine| MachineChannel::all(machine).is_empty()) {
             defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
+            machine = None;
         }
         let settings = settings(input, machine.as_ref(), defaults);
         let (submission, input, _) = draft.finish()?;

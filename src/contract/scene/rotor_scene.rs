@@ -31,11 +31,11 @@ pub struct RotorSceneInput {
     pub shaft: ShaftInput,
     /// Linear supports, in place of ball bearings or beside them.
     #[serde(default, deserialize_with = "optional_list")]
-    #[schema(nullable = false, min_items = 1, max_items = 16)]
+    #[schema(nullable = false, max_items = 16)]
     pub supports: Option<Vec<SupportInput>>,
     /// Ball bearings.
     #[serde(default, deserialize_with = "optional_list")]
-    #[schema(nullable = false, min_items = 1, max_items = 8)]
+    #[schema(nullable = false, max_items = 8)]
     pub bearings: Option<Vec<RotorBearingInput>>,
     /// Rigid preloads of pairs of bearings. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]

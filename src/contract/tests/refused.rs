@@ -331,3 +331,15 @@ fn wrong_json_is_refused_with_its_pointer() {
         (r#"{"kind":"simulation","scene":[]}"#.into(), "/scene", "expected an object"),
     ]);
 }
+
+/// Nothing is recorded of a shaft without bearings and sensors, so that no channel can be named.
+#[test]
+fn a_shaft_alone_needs_a_sensor() {
+    let support = r#"{"at_mm":0,"stiffness_n_per_um":[0,50,50],"tilt_n_m_per_mrad":[1,1]}"#;
+    let scene = format!(
+        r#"{{"shaft":{{"sections":[{{"length_mm":300,"outer_diameter_mm":25}}]}},"supports":[{support}],"operation":{{"speed_rpm":50000}}}}"#
+    );
+    let outputs = r#"{"series":["A.y.acceleration"],"orders":{"tracks":["1"]}}"#;
+    let body = format!(r#"{{"kind":"machine","scene":{scene},"outputs":{outputs}}}"#);
+    check(&[(body, "/scene/sensors", "without ball bearings nothing else is recorded")]);
+}
