@@ -187,7 +187,7 @@ impl Load {
         }
     }
 
-    /// What is wrong with the load, as `check` finds it.
+    /// The first fault of the load that `check` finds.
     pub fn faults(&self, place: usize, largest_speed: f64) -> Vec<InvalidParameter> {
         let mut faults = Faults::default();
         self.check(place, largest_speed, &mut faults);
