@@ -143,8 +143,8 @@ impl<const N: usize, T: Copy> SideBySide for Lanes<N, T> {
     }
 }
 
-impl<C: SideBySide> SideBySide for (C, C) {
-    type One = (C::One, C::One);
+impl<A: SideBySide, B: SideBySide> SideBySide for (A, B) {
+    type One = (A::One, B::One);
 
     #[inline(always)]
     fn at(&self, lane: usize) -> Self::One {

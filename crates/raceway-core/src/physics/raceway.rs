@@ -28,7 +28,7 @@ use super::contact::traction::{
 use super::frames::{add, scale};
 use super::kinematics;
 use super::lubricant::Lubricant;
-use super::surface::sphere::{BallPose, SphereProfile};
+use super::surface::sphere::{BallPose, SphereProfile, SphereProfiles};
 use super::surface::{Height, SurfaceProfile};
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 
@@ -57,8 +57,8 @@ pub struct RacewayContact {
     surface: SurfaceProfile,
     /// Place of the groove along the axis.
     axial: SurfaceProfile,
-    /// Surface of each ball as this raceway averages it; empty where all balls are spheres.
-    balls: Arc<[Option<SphereProfile>]>,
+    /// Surfaces of the balls as this raceway averages them.
+    balls: Arc<SphereProfiles>,
 }
 
 /// Loads of balls side by side, to be compiled for each instruction set. Written where they are wanted: no copies.
@@ -102,6 +102,33 @@ impl<const PLANAR: bool> Task for PairOfLoads<'_, PLANAR> {
     }
 }
 
+/// Effects of the surfaces of balls side by side.
+struct OnBalls<'a, const PLANAR: bool> {
+    raceway: &'a RacewayContact,
+    first: usize,
+    motion: &'a RelativeMotion<Lanes>,
+    pose: &'a BallPose<Lanes>,
+}
+
+impl<const PLANAR: bool> Task for OnBalls<'_, PLANAR> {
+    type Answer = OnBall<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let Self { raceway: RacewayContact { groove, balls, .. }, first, motion, pose } = self;
+        let mut contact = <(Lanes, (Lanes, Lanes))>::default();
+        for lane in 0..LANES {
+            contact.put(lane, groove.penetration::<PLANAR>(motion.axial[lane], motion.radius[lane]));
+        }
+        let height = balls.at::<PLANAR>(first, &contact.1, pose);
+        let mut on_ball = OnBall::default();
+        for lane in 0..LANES {
+            on_ball.put(lane, groove.on_ball::<PLANAR>(&height.at(lane), &motion.at(lane), contact.at(lane)));
+        }
+        on_ball
+    }
+}
+
 impl RacewayContact {
     /// Both raceways of a bearing.
     pub fn pair(
@@ -138,7 +165,7 @@ impl RacewayContact {
             folded_strips: MirroredStrips::new(&strips, 2.0),
             surface: SurfaceProfile::None,
             axial: SurfaceProfile::None,
-            balls: Arc::new([]),
+            balls: Arc::default(),
         };
         PerRaceway {
             inner: one(-1.0, hertz.inner, bearing.groove_centre_radius.inner, p.groove_curvature.inner),
@@ -181,35 +208,25 @@ impl RacewayContact {
 
     /// The same raceway on balls of some surfaces, `None` for a sphere.
     pub fn with_balls(mut self, balls: Vec<Option<SphereProfile>>) -> Self {
-        self.balls = balls.into();
+        self.balls = Arc::new(SphereProfiles::new(balls));
         self
     }
 
-    /// Surfaces of the balls; empty where all are spheres.
-    pub(crate) fn balls(&self) -> &[Option<SphereProfile>] {
+    /// Surfaces of the balls.
+    pub(crate) fn balls(&self) -> &Arc<SphereProfiles> {
         &self.balls
     }
 
-    /// The same, shared.
-    pub(crate) fn shared_balls(&self) -> Arc<[Option<SphereProfile>]> {
-        self.balls.clone()
-    }
-
-    /// Effects of the surfaces of the balls from `first` on, without their sizes; lanes beyond the last ball repeat it.
+    /// Effects of the surfaces of the balls from `first` on, without their sizes.
     #[inline(never)]
     pub(crate) fn on_balls<const PLANAR: bool>(
         &self,
         first: usize,
         motion: &RelativeMotion<Lanes>,
         pose: &BallPose<Lanes>,
+        instructions: InstructionSet,
     ) -> OnBall<Lanes> {
-        let mut on_ball = OnBall::<Lanes>::default();
-        for lane in 0..LANES {
-            if let Some(ball) = &self.balls[(first + lane).min(self.balls.len() - 1)] {
-                on_ball.put(lane, self.groove.on_ball::<PLANAR>(ball, &motion.at(lane), &pose.at(lane)));
-            }
-        }
-        on_ball
+        instructions.run(OnBalls::<PLANAR> { raceway: self, first, motion, pose })
     }
 
     /// The surface profile.
@@ -265,7 +282,9 @@ impl RacewayContact {
         pose: &BallPose,
     ) -> RacewayLoad {
         let mut on_ball = OnBall::<Lanes<1>>::default();
-        on_ball.put(0, self.groove.on_ball::<PLANAR>(ball, motion, pose));
+        let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
+        let height = ball.at::<PLANAR>(towards, pose);
+        on_ball.put(0, self.groove.on_ball::<PLANAR>(&height, motion, (penetration, towards)));
         self.load_of_one::<PLANAR>(motion, Some(&on_ball))
     }
 

@@ -12,7 +12,7 @@ use crate::physics::contact::hertz::HertzContact;
 use crate::physics::contact::strips::Strip;
 use crate::physics::contact::traction::TractionContext;
 use crate::physics::frames::{Vector, dot, subtract};
-use crate::physics::surface::sphere::{BallHeight, BallPose, SphereProfile};
+use crate::physics::surface::sphere::BallHeight;
 
 /// Constants of one raceway, and what follows from them for one ball.
 #[derive(Debug, Clone, Copy)]
@@ -154,17 +154,17 @@ impl Groove {
         }
     }
 
-    /// The contact on a ball that is not a sphere. The frame of the contact turns about the raceway's axis with v_t/r and about t with
-    /// v·c/|l|.
+    /// The contact on a ball of some height, with its penetration and direction. The frame of the contact turns about the raceway's axis
+    /// with v_t/r and about t with v·c/|l|.
+    #[inline(always)]
     pub(super) fn on_ball<const PLANAR: bool>(
         &self,
-        ball: &SphereProfile,
+        of: &BallHeight,
         motion: &RelativeMotion,
-        pose: &BallPose,
+        (penetration, towards): (f64, (f64, f64)),
     ) -> OnBall {
-        let (penetration, towards) = self.penetration::<PLANAR>(motion.axial, motion.radius);
         let across = if PLANAR { (0.0, 0.0) } else { across(towards) };
-        let BallHeight { height, by_turn } = ball.at::<PLANAR>(towards, pose);
+        let BallHeight { height, by_turn } = *of;
         let [va, vr, vt] = motion.velocity;
         let per_radius = 1.0 / motion.radius;
         let per_distance = 1.0 / larger(penetration + self.touch_distance, f64::MIN_POSITIVE);

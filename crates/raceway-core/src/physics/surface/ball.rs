@@ -107,15 +107,16 @@ impl BallSurface {
         self.waviness.iter().copied().chain(drawn).filter(|wave| wave.amplitude != 0.0)
     }
 
-    fn check(&self, faults: &mut Faults) {
+    /// `item`: number of the surface in its list.
+    fn check(&self, item: usize, faults: &mut Faults) {
         faults.check(DEVIATION, self.diameter_deviation);
-        NAMES.check_waves(&self.waviness, MOST_WAVES, faults);
+        NAMES.check_waves(&self.waviness, MOST_WAVES, &[item], faults);
         for random in &self.random_waviness {
             random.check(&RANDOM_OF_A_BALL, faults);
         }
         if self.defects.len() > MOST_BALL_DEFECTS {
             let reason = format!("{} defects: at most {MOST_BALL_DEFECTS}", self.defects.len());
-            faults.inconsistent("surfaces.balls.defects", reason);
+            faults.inconsistent_item("surfaces.balls.defects", &[item], reason);
         }
         for BallDefect { diameter, depth, latitude, longitude } in &self.defects {
             faults.check("surfaces.balls.defects.diameter", *diameter);
@@ -134,7 +135,7 @@ pub(super) fn check(balls: &[GivenBall], every: &EveryBall, faults: &mut Faults)
             let reason = format!("items {first} and {index} are both of ball {ball}: give them as one");
             faults.inconsistent_item(NUMBER, &[index], reason);
         }
-        surface.check(faults);
+        surface.check(index, faults);
     }
     faults.check("surfaces.every_ball.diameter_spread", every.diameter_spread);
     if let Some(random) = &every.random_waviness {

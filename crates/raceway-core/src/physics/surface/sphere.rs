@@ -5,13 +5,15 @@
 //! the force −(Q τ_a/r) t − (Q τ_t/|l|) c. The ring takes the opposite force at the same point. Without that force neither energy nor
 //! angular momentum would be kept.
 
+use std::collections::BTreeMap;
+
 use super::ball::BallDefect;
 use super::defects::{Across, Defect, PassingContact, Recess, Shape};
 use super::height::Rise;
 use super::table::{HeightTable, PathTable};
 use super::waviness::Wave;
 use crate::numerics::angle::sin_cos;
-use crate::numerics::lanes::{Lanes, SideBySide, side_by_side};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, side_by_side};
 use crate::physics::frames::{Vector, add, cross, dot, scale};
 
 /// Height of a ball at a contact, and its slopes.
@@ -48,19 +50,35 @@ pub struct BallRecess {
 pub struct SphereProfile {
     /// Heights over longitude, for balls that stay in their plane.
     track: HeightTable,
-    waves: Vec<SphereWave>,
+    waves: SphereWaves<1>,
     defects: Vec<SphereDefect>,
 }
 
-/// One wave, A Re[(p₂ + i p₃)^n e^{iψ}].
-#[derive(Debug, Clone, Copy)]
-struct SphereWave {
+/// Surfaces of all balls as the contact of one raceway averages them.
+#[derive(Debug, Default)]
+pub struct SphereProfiles {
+    /// `None` for a sphere; empty where all balls are spheres.
+    each: Vec<Option<SphereProfile>>,
+    /// Waves of balls side by side, eight after eight.
+    waves: Vec<SphereWaves<LANES>>,
+}
+
+/// Waves of balls side by side, by rising order.
+#[derive(Debug, Default)]
+struct SphereWaves<const N: usize>(Vec<SphereWave<N>>);
+
+/// One order of several balls, A Re[(p₂ + i p₃)^n e^{iψ}].
+#[derive(Debug)]
+struct SphereWave<const N: usize> {
     /// Order less that of the wave before; the first less 1.
     further: u32,
-    order: f64,
-    /// A e^{iψ} [m].
-    coefficient: (f64, f64),
+    order: u32,
+    /// A e^{iψ} of each ball [m].
+    coefficient: Complex<Lanes<N>>,
 }
+
+/// Real and imaginary part.
+type Complex<T = f64> = (T, T);
 
 /// A round defect beside or on the equator.
 #[derive(Debug)]
@@ -80,62 +98,150 @@ impl SphereProfile {
         }
         if planar {
             let recesses: Vec<Recess> = recesses.iter().map(|of| of.recess).collect();
-            return Some(Self { track: HeightTable::new(waves, &recesses), waves: Vec::new(), defects: Vec::new() });
+            let track = HeightTable::new(waves, &recesses);
+            return Some(Self { track, waves: SphereWaves::default(), defects: Vec::new() });
         }
         let defects = recesses.iter().filter_map(SphereDefect::new).collect();
-        Some(Self { track: HeightTable::new(&[], &[]), waves: SphereWave::ascending(waves), defects })
+        Some(Self { track: HeightTable::new(&[], &[]), waves: SphereWaves::new(waves), defects })
     }
 
     /// Height and slopes at a contact that lies in a direction from the ball's centre (axial, radial). `PLANAR`: on the equator.
     pub fn at<const PLANAR: bool>(&self, (towards_a, towards_r): (f64, f64), pose: &BallPose) -> BallHeight {
         if PLANAR {
-            // The contact's frame turns about X towards larger longitudes.
-            let (height, slope) = self.track.height_and_slope(pose.longitude);
-            return BallHeight { height, by_turn: [slope, 0.0, 0.0] };
+            return self.at_longitude(pose.longitude);
         }
-        let towards = [towards_a, towards_r, 0.0];
-        let mut of = self.waves_at(towards, &pose.axes);
+        let mut one = BallPose::<Lanes<1>>::default();
+        one.put(0, *pose);
+        let waves = self.waves.at(&(Lanes([towards_a]), Lanes([towards_r])), &one.axes).at(0);
+        self.with_defects(waves, [towards_a, towards_r, 0.0], &pose.axes)
+    }
+
+    /// Height and slope on the equator. The contact's frame turns about X towards larger longitudes.
+    fn at_longitude(&self, longitude: f64) -> BallHeight {
+        let (height, slope) = self.track.height_and_slope(longitude);
+        BallHeight { height, by_turn: [slope, 0.0, 0.0] }
+    }
+
+    /// Height of waves and defects where the waves have a height.
+    fn with_defects(&self, mut of: BallHeight, towards: Vector, axes: &[Vector; 3]) -> BallHeight {
         for defect in &self.defects {
-            let one = defect.at(towards, &pose.axes);
+            let one = defect.at(towards, axes);
             of.height += one.height;
             of.by_turn = add(of.by_turn, one.by_turn);
         }
         of
     }
+}
 
-    /// Height with both derivatives at a longitude on the equator [rad], of a ball that stays in its plane.
-    pub(crate) fn on_track(&self, longitude: f64) -> Rise {
-        self.track.rises(&Lanes::<1>::all(longitude)).at(0)
+impl SphereProfiles {
+    /// `None` for a sphere.
+    pub fn new(each: Vec<Option<SphereProfile>>) -> Self {
+        let waves_of = |ball: usize| each.get(ball)?.as_ref().map(|profile| &profile.waves);
+        let groups = 0..each.len().div_ceil(LANES);
+        let waves = groups.map(|group| SphereWaves::side_by_side(|lane| waves_of(group * LANES + lane))).collect();
+        Self { each, waves }
     }
 
-    /// h = Re F(z) with z = p₂ + i p₃ of the contact; its gradient in the ball's frame is (0, Re F', −Im F').
-    fn waves_at(&self, towards: Vector, axes: &[Vector; 3]) -> BallHeight {
-        let z = (dot(towards, axes[1]), dot(towards, axes[2]));
-        let (mut height, mut slope) = (0.0, (0.0, 0.0));
-        let mut power = (1.0, 0.0);
-        for wave in &self.waves {
-            power = product(power, to_the_power(z, wave.further));
-            let term = product(wave.coefficient, power);
-            height += term.0 * z.0 - term.1 * z.1;
-            slope = (slope.0 + wave.order * term.0, slope.1 + wave.order * term.1);
+    /// Surface of a ball; `None` for a sphere.
+    pub(crate) fn of(&self, ball: usize) -> Option<&SphereProfile> {
+        self.each.get(ball)?.as_ref()
+    }
+
+    /// Heights with both derivatives at longitudes on the equators of the balls from `first` on [rad], which stay in their plane.
+    #[inline(always)]
+    pub(crate) fn on_tracks(&self, first: usize, longitude: &Lanes) -> Rise<Lanes> {
+        HeightTable::rises_of(|lane| self.of(first + lane).map(|ball| &ball.track), longitude)
+    }
+
+    /// Heights at contacts of the balls from `first` on, which lie in directions from their centres (axial, radial). `PLANAR`: on the
+    /// equators. Lanes beyond the last ball are spheres.
+    #[inline(always)]
+    pub(crate) fn at<const PLANAR: bool>(
+        &self,
+        first: usize,
+        towards: &(Lanes, Lanes),
+        pose: &BallPose<Lanes>,
+    ) -> BallHeight<Lanes> {
+        let mut heights = BallHeight::default();
+        if !PLANAR && let Some(waves) = self.waves.get(first / LANES) {
+            heights = waves.at(towards, &pose.axes);
         }
-        let gradient = add(scale(slope.0, axes[1]), scale(-slope.1, axes[2]));
-        BallHeight { height, by_turn: cross(towards, gradient) }
+        for lane in 0..LANES {
+            let Some(ball) = self.of(first + lane) else { continue };
+            if PLANAR {
+                heights.put(lane, ball.at_longitude(pose.longitude[lane]));
+            } else if !ball.defects.is_empty() {
+                let (towards_a, towards_r) = towards.at(lane);
+                let waves = heights.at(lane);
+                heights.put(lane, ball.with_defects(waves, [towards_a, towards_r, 0.0], &pose.axes.at(lane)));
+            }
+        }
+        heights
     }
 }
 
-impl SphereWave {
-    /// The waves by rising order.
-    fn ascending(waves: &[Wave]) -> Vec<Self> {
+impl SphereWaves<1> {
+    fn new(waves: &[Wave]) -> Self {
         let mut waves = waves.to_vec();
         waves.sort_by_key(|wave| wave.order);
-        let before = std::iter::once(1).chain(waves.iter().map(|wave| wave.order));
-        let one = |(wave, before): (&Wave, u32)| {
+        let coefficient = |wave: &Wave| {
             let (sine, cosine) = sin_cos(wave.phase);
-            let coefficient = (wave.amplitude * cosine, wave.amplitude * sine);
-            Self { further: wave.order - before, order: f64::from(wave.order), coefficient }
+            (Lanes([wave.amplitude * cosine]), Lanes([wave.amplitude * sine]))
         };
-        waves.iter().zip(before).map(one).collect()
+        Self::of_orders(waves.iter().map(|wave| (wave.order, coefficient(wave))))
+    }
+}
+
+impl<const N: usize> SphereWaves<N> {
+    /// By rising order.
+    fn of_orders(waves: impl Iterator<Item = (u32, Complex<Lanes<N>>)>) -> Self {
+        let mut before = 1;
+        let one = |(order, coefficient)| {
+            let further = order - std::mem::replace(&mut before, order);
+            SphereWave { further, order, coefficient }
+        };
+        Self(waves.map(one).collect())
+    }
+
+    /// The waves of one ball in each lane.
+    fn side_by_side<'a>(of: impl Fn(usize) -> Option<&'a SphereWaves<1>>) -> Self {
+        let mut orders = BTreeMap::<u32, Complex<Lanes<N>>>::new();
+        for lane in 0..N {
+            for wave in of(lane).into_iter().flat_map(|waves| &waves.0) {
+                let (real, imaginary) = orders.entry(wave.order).or_default();
+                real[lane] += wave.coefficient.0[0];
+                imaginary[lane] += wave.coefficient.1[0];
+            }
+        }
+        Self::of_orders(orders.into_iter())
+    }
+
+    /// h = Re F(z) with z = p₂ + i p₃ of each contact; its gradient in the ball's frame is (0, Re F', −Im F').
+    #[inline(always)]
+    fn at(&self, towards: &(Lanes<N>, Lanes<N>), axes: &[Vector<Lanes<N>>; 3]) -> BallHeight<Lanes<N>> {
+        let direction = |lane: usize| [towards.0[lane], towards.1[lane], 0.0];
+        let mut z = Complex::<Lanes<N>>::default();
+        for lane in 0..N {
+            z.put(lane, (dot(direction(lane), axes[1].at(lane)), dot(direction(lane), axes[2].at(lane))));
+        }
+        let (mut height, mut slope) = (Lanes::<N>::default(), Complex::<Lanes<N>>::default());
+        let mut power = (Lanes::<N>::all(1.0), Lanes::<N>::default());
+        for wave in &self.0 {
+            power = products(&power, &to_the_power(&z, wave.further));
+            let order = f64::from(wave.order);
+            for lane in 0..N {
+                let (term, place) = (product(wave.coefficient.at(lane), power.at(lane)), z.at(lane));
+                height[lane] += term.0 * place.0 - term.1 * place.1;
+                slope.put(lane, (slope.0[lane] + order * term.0, slope.1[lane] + order * term.1));
+            }
+        }
+        let mut heights = BallHeight::<Lanes<N>>::default();
+        for lane in 0..N {
+            let (real, imaginary) = slope.at(lane);
+            let gradient = add(scale(real, axes[1].at(lane)), scale(-imaginary, axes[2].at(lane)));
+            heights.put(lane, BallHeight { height: height[lane], by_turn: cross(direction(lane), gradient) });
+        }
+        heights
     }
 }
 
@@ -182,20 +288,34 @@ impl BallRecess {
 
 /// The product of two complex numbers.
 #[inline(always)]
-fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+fn product(a: Complex, b: Complex) -> Complex {
     (a.0 * b.0 - a.1 * b.1, a.0 * b.1 + a.1 * b.0)
 }
 
-/// A complex number to a whole power, by squares.
 #[inline(always)]
-fn to_the_power(z: (f64, f64), mut exponent: u32) -> (f64, f64) {
-    let (mut square, mut power) = (z, (1.0, 0.0));
-    while exponent > 0 {
-        if exponent & 1 == 1 {
-            power = product(power, square);
+fn products<const N: usize>(a: &Complex<Lanes<N>>, b: &Complex<Lanes<N>>) -> Complex<Lanes<N>> {
+    let mut products = Complex::<Lanes<N>>::default();
+    for lane in 0..N {
+        products.put(lane, product(a.at(lane), b.at(lane)));
+    }
+    products
+}
+
+/// Complex numbers to a whole power, by squares.
+#[inline(always)]
+fn to_the_power<const N: usize>(z: &Complex<Lanes<N>>, exponent: u32) -> Complex<Lanes<N>> {
+    // Orders mostly follow one another.
+    if exponent == 1 {
+        return *z;
+    }
+    let (mut square, mut power) = (*z, (Lanes::<N>::all(1.0), Lanes::<N>::default()));
+    let mut rest = exponent;
+    while rest > 0 {
+        if rest & 1 == 1 {
+            power = products(&power, &square);
         }
-        square = product(square, square);
-        exponent >>= 1;
+        square = products(&square, &square);
+        rest >>= 1;
     }
     power
 }

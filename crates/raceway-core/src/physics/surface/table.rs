@@ -110,19 +110,26 @@ impl HeightTable {
     #[inline(always)]
     pub(super) fn rises<const N: usize>(&self, azimuth: &Lanes<N>) -> Rise<Lanes<N>> {
         let (ends, place) = self.knots_at_each(azimuth);
-        let per_radian = self.knots_per_radian();
-        let mut rises = Rise::<Lanes<N>>::default();
+        rises_between(&ends, &place, &Lanes::all(self.knots_per_radian()))
+    }
+
+    /// The same at one azimuth of each of several tables; 0 without a table.
+    #[inline(always)]
+    pub(super) fn rises_of<'a, const N: usize>(
+        table: impl Fn(usize) -> Option<&'a Self>,
+        azimuth: &Lanes<N>,
+    ) -> Rise<Lanes<N>> {
+        let (mut ends, mut place) = (Ends::<N>::default(), Lanes::<N>::default());
+        let mut per_radian = Lanes::<N>::default();
         for lane in 0..N {
-            let ((a, b), u) = (ends.at(lane), place[lane]);
-            let piece = Piece::between(&a, &b);
-            let one = Rise {
-                height: piece.height(u),
-                slope: piece.slope(u) * per_radian,
-                curvature: piece.curvature(u) * (per_radian * per_radian),
-            };
-            rises.put(lane, one);
+            if let Some(table) = table(lane) {
+                let (a, b, u) = table.knots_at(azimuth[lane]);
+                ends.put(lane, (*a, *b));
+                place[lane] = u;
+                per_radian[lane] = table.knots_per_radian();
+            }
         }
-        rises
+        rises_between(&ends, &place, &per_radian)
     }
 
     #[inline(always)]
@@ -142,6 +149,23 @@ impl HeightTable {
         let knot = (place as usize).min(count - 1);
         (&self.knots[knot], &self.knots[knot + 1], place - knot as f64)
     }
+}
+
+/// Heights with both derivatives at places between knots.
+#[inline(always)]
+fn rises_between<const N: usize>(ends: &Ends<N>, place: &Lanes<N>, per_radian: &Lanes<N>) -> Rise<Lanes<N>> {
+    let mut rises = Rise::<Lanes<N>>::default();
+    for lane in 0..N {
+        let ((a, b), u, per_radian) = (ends.at(lane), place[lane], per_radian[lane]);
+        let piece = Piece::between(&a, &b);
+        let one = Rise {
+            height: piece.height(u),
+            slope: piece.slope(u) * per_radian,
+            curvature: piece.curvature(u) * (per_radian * per_radian),
+        };
+        rises.put(lane, one);
+    }
+    rises
 }
 
 /// Knots before and after several azimuths.

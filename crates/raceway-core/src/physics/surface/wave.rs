@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::numerics::exponential::power;
 use crate::numerics::random::SplitMix64;
-use crate::physics::limits::Faults;
+use crate::physics::limits::{Faults, limits_of};
 
 /// A wave of the height, amplitude · cos(order · φ + phase), φ the azimuth on the ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +40,10 @@ pub(super) struct WaveNames {
 }
 
 impl WaveNames {
-    /// Checks waves given one by one.
-    pub(super) fn check_waves(&self, waves: &[Wave], most: usize, faults: &mut Faults) {
+    /// Checks waves given one by one. `items`: where the surface stands in lists.
+    pub(super) fn check_waves(&self, waves: &[Wave], most: usize, items: &[usize], faults: &mut Faults) {
         if waves.len() > most {
-            faults.inconsistent(self.waviness, format!("{} waves: at most {most}", waves.len()));
+            faults.inconsistent_item(self.waviness, items, format!("{} waves: at most {most}", waves.len()));
         }
         for wave in waves {
             let values = [f64::from(wave.order), wave.amplitude, wave.phase];
@@ -68,6 +68,25 @@ impl RandomWaviness {
         {
             faults.inconsistent(to_order, format!("{to} is below from_order, {}", self.from_order));
         }
+        // Amplitudes fall with the order, so that the first one is the largest.
+        let largest = self.amplitude_of(self.from_order);
+        let most = limits_of(amplitude).map_or(f64::INFINITY, |limits| limits.highest);
+        if largest > most {
+            let reason = format!(
+                "{} nm at order {} become {:.4e} nm at order {}: at most {} nm",
+                1e9 * self.amplitude,
+                self.at_order,
+                1e9 * largest,
+                self.from_order,
+                1e9 * most
+            );
+            faults.inconsistent(amplitude, reason);
+        }
+    }
+
+    /// Amplitude of an order [m].
+    fn amplitude_of(&self, order: u32) -> f64 {
+        self.amplitude * power(f64::from(order) / f64::from(self.at_order), -self.exponent)
     }
 
     /// The waves with their drawn phases. `first_zero`: the order that ends them by default; `index`: number of the surface.
@@ -75,7 +94,7 @@ impl RandomWaviness {
         let last = self.to_order.unwrap_or(first_zero as u32);
         (self.from_order..=last).map(move |order| Wave {
             order,
-            amplitude: self.amplitude * power(f64::from(order) / f64::from(self.at_order), -self.exponent),
+            amplitude: self.amplitude_of(order),
             phase: TAU * drawn_number([seed, index, Kind::RadialWave as u64, u64::from(order)]),
         })
     }

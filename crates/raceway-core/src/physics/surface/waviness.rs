@@ -230,6 +230,11 @@ impl RacewaySurface {
             && !self.has_axial_waves()
     }
 
+    /// Orders of the given waves, without drawn ones.
+    pub(crate) fn given_orders(&self) -> Vec<i32> {
+        self.waviness.iter().filter(|wave| wave.amplitude != 0.0).map(|wave| wave.order as i32).collect()
+    }
+
     /// Returns true where the groove's place along the axis is wavy.
     pub(crate) fn has_axial_waves(&self) -> bool {
         self.axial_waviness.iter().any(|wave| wave.amplitude != 0.0)
@@ -263,8 +268,8 @@ impl RacewaySurface {
     }
 
     fn check(&self, names: &Names, faults: &mut Faults) {
-        names.waves.check_waves(&self.waviness, MOST_WAVES, faults);
-        names.axial.check_waves(&self.axial_waviness, MOST_WAVES, faults);
+        names.waves.check_waves(&self.waviness, MOST_WAVES, &[], faults);
+        names.axial.check_waves(&self.axial_waviness, MOST_WAVES, &[], faults);
         if let Some(random) = &self.random_waviness {
             random.check(&names.random, faults);
         }

@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
-use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, side_by_side};
+use crate::numerics::lanes::{Lanes, Real, side_by_side};
 use crate::physics::bearing::PerRaceway;
-use crate::physics::surface::sphere::SphereProfile;
+use crate::physics::surface::sphere::SphereProfiles;
 use crate::physics::surface::{Rise, SurfaceProfile};
 use crate::simulation::model::mechanism::Mechanism;
 
@@ -78,14 +78,14 @@ impl<const N: usize> Heights<Lanes<N>> {
 pub(crate) struct Waves {
     surface: PerRaceway<SurfaceProfile>,
     /// `None`: all balls are spheres.
-    balls: Option<PerRaceway<Arc<[Option<SphereProfile>]>>>,
+    balls: Option<PerRaceway<Arc<SphereProfiles>>>,
 }
 
 impl Waves {
     /// The heights of a planar mechanism; `None` where both raceways are ideal circles and all balls spheres.
     pub(crate) fn of(mechanism: &Mechanism) -> Option<Self> {
         let surface = mechanism.raceway.map(|contact| contact.surface().clone());
-        let balls = mechanism.layout.attitude.then(|| mechanism.raceway.map(|contact| contact.shared_balls()));
+        let balls = mechanism.layout.attitude.then(|| mechanism.raceway.map(|contact| contact.balls().clone()));
         let is_ideal = surface.inner.is_ideal() && surface.outer.is_ideal() && balls.is_none();
         (!is_ideal).then_some(Self { surface, balls })
     }
@@ -106,27 +106,15 @@ impl Waves {
         Heights { raceway, ..Heights::default() }
     }
 
-    /// Heights of balls at the longitudes of both contacts [rad]; 0 for spheres. `ball`: the ball in a lane, if there is one.
-    #[inline(never)]
-    pub(crate) fn of_balls(
-        &self,
-        ball: impl Fn(usize) -> Option<usize>,
-        longitude: &PerRaceway<Lanes>,
-    ) -> PerRaceway<Rise<Lanes>> {
-        let one = |balls: &[Option<SphereProfile>], longitude: &Lanes| {
-            let mut rises = Rise::<Lanes>::default();
-            for lane in 0..LANES {
-                if let Some(ball) = ball(lane).and_then(|ball| balls.get(ball)?.as_ref()) {
-                    rises.put(lane, ball.on_track(longitude[lane]));
-                }
-            }
-            rises
-        };
+    /// Heights of the balls from `first` on at the longitudes of both contacts [rad]; 0 for spheres.
+    #[inline(always)]
+    pub(crate) fn of_balls(&self, first: usize, longitude: &PerRaceway<Lanes>) -> PerRaceway<Rise<Lanes>> {
         match &self.balls {
             None => PerRaceway::default(),
-            Some(PerRaceway { inner, outer }) => {
-                PerRaceway { inner: one(inner, &longitude.inner), outer: one(outer, &longitude.outer) }
-            }
+            Some(PerRaceway { inner, outer }) => PerRaceway {
+                inner: inner.on_tracks(first, &longitude.inner),
+                outer: outer.on_tracks(first, &longitude.outer),
+            },
         }
     }
 }

@@ -46,6 +46,10 @@ pub enum Inapplicable {
         "waves of balls (scene.surfaces.balls, every_ball) turn with the balls, and no passage repeats the last one"
     )]
     BallWaves,
+    #[error(
+        "lines of balls that differ or are uneven lie close to lines of the shaft, so that their beat needs the speed of the cage, and this model lets balls roll ideally"
+    )]
+    CageBeatsWithShaft,
     #[error("without a cage balls touch each other, and this model has no contact between balls")]
     NoCage,
     #[error(

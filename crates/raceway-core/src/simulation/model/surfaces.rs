@@ -231,7 +231,7 @@ impl UnevenBall {
                 true => sphere.at::<true>(towards, &pose).height,
                 false => sphere.at::<false>(towards, &pose).height,
             };
-            contact.balls()[ball].as_ref().map_or(0.0, of)
+            contact.balls().of(ball).map_or(0.0, of)
         };
         let reaches = |of: &AveragedBall| of.defects.iter().map(|of| (of.direction(), of.recess.reach())).collect();
         Self {

@@ -46,10 +46,11 @@ pub(crate) fn track_off_equator(scene: &Scene, ideal: &Mechanism, tracks: &[Ball
     let of_ball = |(index, (ball, track)): (usize, (&PerRaceway<AveragedBall>, &BallTrack))| {
         let kept = ball.inner.waves.kept.iter().chain(&ball.outer.waves.kept);
         let highest = kept.map(|kept| kept.wave.order).max()?;
-        // cos^n λ = 10^(−dB/20)
-        let order = (WARNED_ERROR_DB / 20.0 * std::f64::consts::LN_10) / -track.latitude.cos().ln();
+        // cos^n λ = 10^(−dB/20); no order fades on the equator.
+        let decay = -track.latitude.cos().ln();
+        let order = (WARNED_ERROR_DB / 20.0 * std::f64::consts::LN_10) / decay;
         let latitude = track.latitude;
-        (f64::from(highest) > order).then(|| Warning::TrackOffEquator {
+        (decay > 0.0 && f64::from(highest) > order).then(|| Warning::TrackOffEquator {
             ball: index + 1,
             latitude,
             order: order as u32,

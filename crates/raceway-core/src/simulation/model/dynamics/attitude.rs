@@ -13,7 +13,7 @@ use super::contact_frame::ContactFrame;
 use super::equations::Dynamics;
 use super::one_ball::OneBall;
 use crate::numerics::angle::sin_cos;
-use crate::numerics::lanes::{LANES, Lanes, SideBySide};
+use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale};
 use crate::physics::raceway::{OnBall, RelativeMotion};
@@ -23,16 +23,19 @@ use crate::simulation::model::state::{BallAttitude, BallState};
 /// A rotation as a quaternion: scalar and vector.
 type Quaternion = (f64, Vector);
 
+#[inline(always)]
 fn product((a, u): Quaternion, (b, v): Quaternion) -> Quaternion {
     (a * b - dot(u, v), add(cross(u, v), add(scale(a, v), scale(b, u))))
 }
 
+#[inline(always)]
 fn about_x(angle: f64) -> Quaternion {
     let (sine, cosine) = sin_cos(0.5 * angle);
     (cosine, [sine, 0.0, 0.0])
 }
 
 /// The rotation by a vector [rad].
+#[inline(always)]
 fn exponential(turn: Vector) -> Quaternion {
     let half = 0.5 * dot(turn, turn).sqrt();
     let (sine, cosine) = sin_cos(half);
@@ -41,25 +44,32 @@ fn exponential(turn: Vector) -> Quaternion {
     (cosine, scale(per_turn, turn))
 }
 
+/// A vector after a rotation and then one about X. The quaternion may have any length.
+#[inline(always)]
+fn turned((real, vector): Quaternion, axis: Vector, about_x: Azimuth) -> Vector {
+    let twice = 2.0 / (real * real + dot(vector, vector));
+    let across = cross(vector, axis);
+    about_x.to_inertial(add(axis, scale(twice, add(scale(real, across), cross(vector, across)))))
+}
+
 impl BallAttitude {
+    #[inline(always)]
     fn quaternion(&self) -> Quaternion {
         let [real, x, y, z] = self.0;
         (1.0 + real, [x, y, z])
     }
 
     /// Axes in the orbit frame that lay in given directions at the start and roll ideally but for this deviation.
+    #[inline(always)]
     pub(crate) fn axes(&self, at_start: &[Vector; 3], ideal: Azimuth, planar: bool) -> [Vector; 3] {
         if planar {
             let turned = ideal.turned(Azimuth::new(self.0[0]));
             return at_start.map(|axis| turned.to_inertial(axis));
         }
-        let (real, vector) = self.quaternion();
-        let twice = 2.0 / (real * real + dot(vector, vector));
-        at_start.map(|axis| {
-            let across = cross(vector, axis);
-            let turned = add(axis, scale(twice, add(scale(real, across), cross(vector, across))));
-            ideal.to_inertial(turned)
-        })
+        let quaternion = self.quaternion();
+        // One by one: the closure of `map` would be a call, and balls would no longer stand side by side.
+        let [one, two, three] = *at_start;
+        [turned(quaternion, one, ideal), turned(quaternion, two, ideal), turned(quaternion, three, ideal)]
     }
 }
 
@@ -71,12 +81,14 @@ impl OneBall {
     }
 
     /// Spin in the orbit frame less that of ideal rolling [rad/s].
+    #[inline(always)]
     fn turning(&self, state: &BallState) -> Vector {
         let [x, r, t] = state.spin;
         [x - state.arc_velocity / self.pitch_radius, r, t]
     }
 
     /// Rates of an attitude; `ideal`: the turn of ideal rolling.
+    #[inline(always)]
     pub(super) fn attitude_rates<const PLANAR: bool>(
         &self,
         state: &BallState,
@@ -93,6 +105,7 @@ impl OneBall {
 
     /// Attitude after a time step in which spin and orbit velocity change linearly. `ideal`: turns of ideal rolling before and after it.
     /// Rotations about one axis are exact for steps of any length.
+    #[inline(always)]
     pub(super) fn advanced<const PLANAR: bool>(
         &self,
         attitude: &BallAttitude,
@@ -111,6 +124,82 @@ impl OneBall {
     }
 }
 
+/// Rates of the attitudes of balls side by side.
+struct Rates<'a, const PLANAR: bool> {
+    one: &'a OneBall,
+    state: &'a BallState<Lanes>,
+    attitude: &'a BallAttitude<Lanes>,
+    ideal: Azimuth,
+}
+
+impl<const PLANAR: bool> Task for Rates<'_, PLANAR> {
+    type Answer = BallAttitude<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let Self { one, state, attitude, ideal } = self;
+        // A copy, so that the compiler knows that stores in the loop do not change it.
+        let one = *one;
+        let mut rates = BallAttitude::default();
+        for lane in 0..LANES {
+            rates.put(lane, one.attitude_rates::<PLANAR>(&state.at(lane), &attitude.at(lane), ideal));
+        }
+        rates
+    }
+}
+
+/// Attitudes of balls side by side after a time step.
+struct Advanced<'a, const PLANAR: bool> {
+    one: &'a OneBall,
+    attitude: &'a BallAttitude<Lanes>,
+    states: [&'a BallState<Lanes>; 2],
+    ideal: [f64; 2],
+    step: f64,
+}
+
+impl<const PLANAR: bool> Task for Advanced<'_, PLANAR> {
+    type Answer = BallAttitude<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let Self { one, attitude, states: [before, after], ideal, step } = self;
+        let one = *one;
+        let mut advanced = BallAttitude::default();
+        for lane in 0..LANES {
+            let states = [&before.at(lane), &after.at(lane)];
+            advanced.put(lane, one.advanced::<PLANAR>(&attitude.at(lane), states, ideal, step));
+        }
+        advanced
+    }
+}
+
+/// Poses of balls side by side in the frames of their outer contacts. `at_start`: their axes at the start; `turn`: of ideal rolling.
+struct Poses<'a, const PLANAR: bool> {
+    attitude: &'a BallAttitude<Lanes>,
+    at_start: [Vector<Lanes>; 3],
+    turn: f64,
+}
+
+impl<const PLANAR: bool> Task for Poses<'_, PLANAR> {
+    type Answer = BallPose<Lanes>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Answer {
+        let Self { attitude, at_start, turn } = self;
+        let ideal = Azimuth::new(turn);
+        let mut poses = BallPose::default();
+        for lane in 0..LANES {
+            let attitude = attitude.at(lane);
+            let pose = match PLANAR {
+                true => BallPose { longitude: -(turn + attitude.0[0]), ..BallPose::default() },
+                false => BallPose { longitude: 0.0, axes: attitude.axes(&at_start.at(lane), ideal, false) },
+            };
+            poses.put(lane, pose);
+        }
+        poses
+    }
+}
+
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// Rates of the attitudes of balls side by side.
     #[inline(never)]
@@ -120,13 +209,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         attitude: &BallAttitude<Lanes>,
         shaft: Shaft,
     ) -> BallAttitude<Lanes> {
-        let one = self.one();
-        let ideal = Azimuth::new(one.ideal_turn(shaft));
-        let mut rates = BallAttitude::default();
-        for lane in 0..LANES {
-            rates.put(lane, one.attitude_rates::<PLANAR>(&state.at(lane), &attitude.at(lane), ideal));
-        }
-        rates
+        let ideal = Azimuth::new(self.one().ideal_turn(shaft));
+        self.instructions().run(Rates::<PLANAR> { one: self.one(), state, attitude, ideal })
     }
 
     /// Attitudes of balls side by side after a time step. `states`, `shafts`: before and after it.
@@ -138,14 +222,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         shafts: [Shaft; 2],
         step: f64,
     ) -> BallAttitude<Lanes> {
-        let one = self.one();
-        let ideal = shafts.map(|shaft| one.ideal_turn(shaft));
-        let mut advanced = BallAttitude::default();
-        for lane in 0..LANES {
-            let [before, after] = states.map(|state| state.at(lane));
-            advanced.put(lane, one.advanced::<PLANAR>(&attitude.at(lane), [&before, &after], ideal, step));
-        }
-        advanced
+        let ideal = shafts.map(|shaft| self.one().ideal_turn(shaft));
+        self.instructions().run(Advanced::<PLANAR> { one: self.one(), attitude, states, ideal, step })
     }
 
     /// Effects of sizes and surfaces of the balls from `first` on both contacts. Nominal spheres have none, and need no call.
@@ -162,7 +240,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut outer = OnBall::default();
         if let Some([attitude, _]) = attitude {
             let poses = self.poses(first, attitude, shaft);
-            outer = self.mechanism().raceway.outer.on_balls::<PLANAR>(first, &relative.outer, &poses);
+            let raceway = &self.mechanism().raceway.outer;
+            outer = raceway.on_balls::<PLANAR>(first, &relative.outer, &poses, self.instructions());
         }
         PerRaceway { inner, outer: outer.grown(&self.mechanism().bodies[first / LANES].oversize) }
     }
@@ -180,29 +259,19 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut on_balls = OnBall::default();
         if let Some([attitude, _]) = attitude {
             let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, shaft), frames);
-            on_balls = self.mechanism().raceway.inner.on_balls::<PLANAR>(first, relative, &poses);
+            let raceway = &self.mechanism().raceway.inner;
+            on_balls = raceway.on_balls::<PLANAR>(first, relative, &poses, self.instructions());
         }
         on_balls.grown(&self.mechanism().bodies[first / LANES].oversize)
     }
 
     /// Poses of the balls from `first` on in the frames of the outer contacts, which are the orbit frames.
     fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, shaft: Shaft) -> BallPose<Lanes> {
-        let mut poses = BallPose::<Lanes>::default();
-        let turn = self.one().ideal_turn(shaft);
-        let ideal = Azimuth::new(turn);
-        for lane in 0..LANES {
-            let attitude = attitude.at(lane);
-            let pose = match PLANAR {
-                true => BallPose { longitude: -(turn + attitude.0[0]), ..BallPose::default() },
-                false => {
-                    let balls = &self.mechanism().uneven_balls;
-                    let axes = &balls[(first + lane).min(balls.len() - 1)].axes;
-                    BallPose { longitude: 0.0, axes: attitude.axes(axes, ideal, false) }
-                }
-            };
-            poses.put(lane, pose);
+        let mut at_start = <[Vector<Lanes>; 3]>::default();
+        for (lane, ball) in self.mechanism().uneven_balls[first..].iter().take(LANES).enumerate() {
+            at_start.put(lane, ball.axes);
         }
-        poses
+        self.instructions().run(Poses::<PLANAR> { attitude, at_start, turn: self.one().ideal_turn(shaft) })
     }
 
     /// Poses in the frames of the inner contacts of balls in some poses at the outer ones.

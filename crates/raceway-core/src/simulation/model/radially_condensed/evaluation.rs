@@ -167,7 +167,7 @@ impl RadiallyCondensed {
                 let outer = balls.arc[lane] * per_radius - (ideal + turned[lane]);
                 longitude.put(lane, PerRaceway { inner: PI + outer - leans[lane], outer });
             }
-            heights.ball = waves.of_balls(|lane| Some(group * LANES + lane), &longitude);
+            heights.ball = waves.of_balls(group * LANES, &longitude);
         }
         heights.single()
     }

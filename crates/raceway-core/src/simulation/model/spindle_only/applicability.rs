@@ -8,6 +8,15 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::inapplicable::Inapplicable;
 use crate::simulation::model::terms::ActiveTerms;
 
+/// Returns true where one pattern turns with the cage or the balls and another with the shaft. Five turns of a cage take nearly as long as two of
+/// the shaft, so that a spectrum rarely separates their lines.
+fn cage_beats_with_shaft(scene: &Scene) -> bool {
+    let of_cage = scene.has_unequal_balls() || scene.surfaces.have_uneven_balls();
+    let of_shaft =
+        scene.spindle.unbalance_product(scene.operating_speed()) != 0.0 || !scene.surfaces.raceway.inner.is_ideal();
+    of_cage && of_shaft
+}
+
 /// Reason why the spindle alone cannot represent a scene and its outputs; `None`: it can.
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
     let channels = || outputs.spectra.iter().chain(&outputs.series);
@@ -32,6 +41,8 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::Hydrodynamics
     } else if matches!(scene.raceway_damping, DampingLaw::Viscous { coefficient } if coefficient != 0.0) {
         Inapplicable::ViscousDamper
+    } else if cage_beats_with_shaft(scene) {
+        Inapplicable::CageBeatsWithShaft
     } else if outputs.contacts {
         Inapplicable::ContactsRequested
     } else if outputs.cage {

@@ -421,7 +421,7 @@ impl OnWaves<'_> {
         }
         let mut heights = waves.at(&azimuth);
         if waves.are_of_balls() {
-            heights.ball = waves.of_balls(|lane| Some(group.first + lane), &longitude);
+            heights.ball = waves.of_balls(group.first, &longitude);
         }
         heights
     }
