@@ -65,6 +65,7 @@ export class Compare {
       this.say('The scene of the form has no surfaces.');
       return;
     }
+    this.pair = undefined;
     const same = { ...request, kind: 'simulation', settle_s: resolved.settle_s, duration_s: resolved.duration_s };
     this.added = true;
     this.both.disabled = true;
@@ -90,6 +91,7 @@ export class Compare {
       ended.forEach(({ id }, i) => {
         this.chosen[i].value = id;
       });
+      this.pair = ended.map(({ id }) => id).join();
       this.note.textContent = 'Select two finished runs.';
       await this.#draw();
     } catch (error) {
@@ -150,28 +152,36 @@ export class Compare {
         limit,
       });
       const levels = metrics.map((m) => m.channels?.[channel]?.level_db);
+      const isPair = ids.join() === this.pair;
+      const [one, other] = isPair ? ['With surfaces', 'Without'] : ['First', 'Second'];
       const [first, second] = names.map((name, i) => `${name}: ${level(levels[i])} dB`);
-      const text = `${kind === 'envelope' ? 'Envelope spectra' : 'Spectra'} of ${channelName(channel)}. First (with line labels): ${first}. Second: ${second}.`;
+      const text = `${kind === 'envelope' ? 'Envelope spectra' : 'Spectra'} of ${channelName(channel)}. ${one} (with line labels): ${first}. ${other}: ${second}.`;
       this.plot.describe(text);
       this.caption.textContent = text;
-      this.#differences(metrics);
+      this.#differences(metrics, isPair);
     } catch (error) {
       if (!signal.aborted) this.say(error.message);
     }
   }
 
-  #differences([a, b]) {
+  /** What the surfaces add, or the change from the first run to the second. */
+  #differences([a, b], isPair) {
     const rows = pairs(a, b);
-    const shown = rows.map(([name, unit, x, y]) => [
-      name,
-      unit,
-      measured(x, 4),
-      measured(y, 4),
-      signed(y - x),
-      name.includes('level') || !x ? '' : `${signed((y / x - 1) * 100, 2)} %`,
-    ]);
+    const names = isPair ? ['With', 'Without', 'With − without'] : ['First', 'Second', 'Second − first'];
+    const change = (x, y) => (isPair ? [x, y] : [y, x]);
+    const shown = rows.map(([name, unit, x, y]) => {
+      const [to, from] = change(x, y);
+      return [
+        name,
+        unit,
+        measured(x, 4),
+        measured(y, 4),
+        signed(to - from),
+        name.includes('level') || !from ? '' : `${signed((to / from - 1) * 100, 2)} %`,
+      ];
+    });
     this.metrics.replaceChildren(
-      table('Metrics of both runs and their difference', ['Metric', 'Unit', 'First', 'Second', 'Difference', 'Relative'], shown),
+      table('Metrics of both runs and their difference', ['Metric', 'Unit', ...names, 'Relative'], shown),
       tools(
         small('Differences CSV', () => save('comparison.csv', csv([['metric', 'unit', 'first', 'second'], ...rows]), 'text/csv')),
       ),

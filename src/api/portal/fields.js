@@ -6,7 +6,8 @@ import { number } from './format.js';
 const field = (pointer, label, symbol, unit, more = {}) => ({ pointer, label, symbol, unit, ...more });
 
 /** `range`: range of slider and study if the value gives none, or always with `always`. `near`: relative width of the range around the
- *  value. `fixed`: not varied. `pair`: two numbers. `derived`: pointer to the derived value of an empty field. */
+ *  value. `fixed`: not varied. `pair`: two numbers. `automatic`: the service chooses the value of an empty field. `derived`: pointer to
+ *  the derived value of an empty field. */
 export const GROUPS = [
   {
     name: 'Operation',
@@ -74,7 +75,7 @@ export const GROUPS = [
       field('/duration_s', 'Recorded time', '', 's'),
       field('/settle_s', 'Settling time', '', 's'),
       field('/solver/model_tolerance_db', 'Model tolerance', '', 'dB'),
-      field('/solver/relative_tolerance', 'Step tolerance', '', ''),
+      field('/solver/relative_tolerance', 'Step tolerance', '', '', { automatic: true }),
       field('/solver/rung', 'Model', '', '', { choices: true, wide: true }),
       field('/outputs/envelope_band_hz', 'Envelope band', '', 'Hz', { pair: true, wide: true }),
       field('/outputs/envelope', 'Envelope', '', '', { choices: true }),

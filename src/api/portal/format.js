@@ -72,13 +72,25 @@ function changes(fields) {
   return changed.length > 2 ? [...changed.slice(0, 2), `${changed.length - 2} more`] : changed;
 }
 
-/** Defects and quality of the raceways in few words. */
-function surfacesTitle({ preset, inner = {}, outer = {} }) {
+/** Surfaces of raceways and balls in few words. */
+function surfacesTitle({ preset, inner = {}, outer = {}, balls = [], every_ball: every = {} }) {
   const defects = [
-    ['outer', outer],
-    ['inner', inner],
-  ].flatMap(([ring, { defects: all = [] }]) => (all.length === 1 ? `${ring} defect ${quantity(all[0].length_mm, 'mm')}` : all.length ? `${all.length} ${ring} defects` : []));
-  return [...defects, preset].filter(Boolean).join(', ') || 'wavy raceways';
+    ['outer', outer.defects],
+    ['inner', inner.defects],
+    ['ball', balls.flatMap((ball) => ball.defects ?? [])],
+  ].map(([part, all = []]) =>
+    all.length === 1 ? `${part} defect ${quantity(all[0].length_mm ?? all[0].diameter_mm, 'mm')}` : all.length > 1 && `${all.length} ${part} defects`,
+  );
+  const isWavy = ({ waviness = [], axial_waviness: axial = [], random_waviness: random }) => waviness.length > 0 || axial.length > 0 || random;
+  return [
+    ...defects,
+    [inner, outer].some(isWavy) && 'wavy raceways',
+    [every, ...balls].some(isWavy) && 'wavy balls',
+    (every.diameter_spread_um || balls.some((ball) => ball.diameter_um)) && 'unequal balls',
+    preset,
+  ]
+    .filter(Boolean)
+    .join(', ');
 }
 
 /** Length, bearings and speed of a shaft. */
@@ -114,9 +126,10 @@ export function title(request) {
 /** Between two numbers of one field. */
 export const PAIR = ' to ';
 
-/** Two numbers with `to` or a dash between them; null if the text is none. */
+/** Two numbers with `to` or a dash between them, or as in JSON, `[890, 3500]`; null if the text is none. */
 export function pairOf(text) {
-  const numbers = text.split(/\s*(?:to|[–…])\s*/).map((part) => (part.trim() === '' ? NaN : Number(plainNumber(part))));
+  const list = text.match(/^\s*\[(.*)\]\s*$/)?.[1];
+  const numbers = (list === undefined ? text.split(/\s*(?:to|[–…])\s*/) : list.split(/,\s*/)).map((part) => (part.trim() === '' ? NaN : Number(plainNumber(part))));
   return numbers.length === 2 && numbers.every(Number.isFinite) ? numbers : null;
 }
 

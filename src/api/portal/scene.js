@@ -63,6 +63,7 @@ export class SceneForm {
         ? resolved.scene.lubricant?.kind
         : (read(resolved, spec.pointer) ?? (spec.derived && read(resolved, spec.derived)));
       if (input.tagName === 'SELECT') input.options[0].textContent = value ? `${words(value)} (default)` : 'automatic';
+      else if (spec.automatic && value === undefined) input.placeholder = 'automatic';
       else input.placeholder = [value].flat().every((one) => typeof one === 'number') ? [value].flat().map(plain).join(PAIR) : '';
     }
     this.surfaces.showDefaults(resolved);

@@ -35,7 +35,9 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
                 Uncertainty::Uneven => ("levels vary along the recorded time", "Increase duration_s, or settle_s."),
             };
             let text = format!("Large errors of {}: {reason}. {remedy}", listed(errors));
-            let values = errors.iter().map(|error| (field(error.quantity), json!(significant(error.error, 3))));
+            let stated = errors.iter().map(|error| (field(error.quantity), json!(significant(error.error, 3))));
+            let channel = errors.iter().find_map(|error| error.channel);
+            let values = stated.chain(channel.map(|channel| ("channel", json!(channel.to_string()))));
             (MessageCode::Uncertain, text, values.collect())
         }
         Warning::NotResolved { change_db, is_selected } => {

@@ -29,8 +29,11 @@ pub fn exceeded(beyond: &[Quantity]) -> String {
 }
 
 pub fn listed(errors: &[QuantityError]) -> String {
-    let one = |QuantityError { quantity, error }: &QuantityError| match quantity {
-        Quantity::Level => format!("{} ({error:.1} dB or more)", name(*quantity)),
+    let one = |QuantityError { quantity, error, channel }: &QuantityError| match quantity {
+        Quantity::Level => {
+            let of = channel.map_or(String::new(), |channel| format!(" of {channel}"));
+            format!("{}{of} ({error:.1} dB or more)", name(*quantity))
+        }
         _ => format!("{} ({:.0} % or more)", name(*quantity), 100.0 * error),
     };
     errors.iter().map(one).collect::<Vec<String>>().join(", ")

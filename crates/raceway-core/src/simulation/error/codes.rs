@@ -25,6 +25,8 @@ pub enum Quantity {
 pub struct QuantityError {
     pub quantity: Quantity,
     pub error: f64,
+    /// Of a level, the channel that has this error.
+    pub channel: Option<Channel>,
 }
 
 /// Refinement of a repetition over the run that it verifies.

@@ -17,6 +17,12 @@ impl LevelErrors {
         self.0.into_iter().flatten().reduce(f64::max)
     }
 
+    /// The channel with the largest level error.
+    pub fn worst_channel(&self) -> Option<Channel> {
+        let known = ACCELERATIONS.into_iter().zip(self.0).filter_map(|(channel, error)| Some((channel, error?)));
+        known.max_by(|(_, one), (_, other)| one.total_cmp(other)).map(|(channel, _)| channel)
+    }
+
     /// From the error of each channel.
     pub(crate) fn each(error: impl Fn(Channel) -> Option<f64>) -> Self {
         Self(ACCELERATIONS.map(error))

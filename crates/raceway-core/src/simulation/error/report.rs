@@ -109,9 +109,9 @@ impl AccuracyReport {
             (Quantity::CageOrbit, share(|errors| errors.orbit_radius, outputs.cage), WARNED_ERROR_SHARE),
         ];
         let is_large = |(quantity, error, limit): (Quantity, Option<f64>, f64)| {
-            error
-                .filter(|error| *error > limit && !self.unverified.contains(&quantity))
-                .map(|error| QuantityError { quantity, error })
+            let error = error.filter(|error| *error > limit && !self.unverified.contains(&quantity))?;
+            let channel = self.level_errors.worst_channel().filter(|_| quantity == Quantity::Level);
+            Some(QuantityError { quantity, error, channel })
         };
         all.into_iter().filter_map(is_large).collect()
     }
