@@ -245,7 +245,7 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         let waves = sources.inner_orders.iter().flat_map(|order| WAVE_HARMONICS.map(move |harmonic| harmonic * order));
         found.extend(waves.map(|order| {
             let passages = ((frequency - f64::from(order) * shaft.frequency) / outer.frequency).round();
-            [shaft.driven(true).times(order), outer.driven(true).times(passages as i32), cage]
+            [outer.driven(true).times(passages as i32), shaft.driven(true).times(order), cage]
         }));
     }
     // A carrier's order follows from the frequency once the sidebands are chosen.
@@ -309,7 +309,9 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     let surfaces_drive = found.iter().any(is_of_surface);
     let near = |whirl: &Term| {
         let is_near = usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
-        is_near && !is_driven(whirl) && !(surfaces_drive && whirl.name == SPINDLE_WHIRL)
+        // Passing balls move spindle and cage round at their own rate.
+        let is_passage = (whirl.frequency - outer.frequency).abs() <= tolerance;
+        is_near && !is_passage && !is_driven(whirl) && !(surfaces_drive && whirl.name == SPINDLE_WHIRL)
     };
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
