@@ -63,6 +63,8 @@ const OF_A_ROTOR: [FieldLimits; 48] = [
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),
     from("/scene/operation/speed_rpm", 0.0, 500_000.0, "r/min"),
     from("/scene/operation/speed_rpm/rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/outer_speed_rpm", -500_000.0, 500_000.0, "r/min"),
+    from("/scene/operation/outer_speed_rpm/rpm", -500_000.0, 500_000.0, "r/min"),
     from("/scene/operation/loads/at_mm", 0.0, 4e6, "mm"),
     from("/scene/operation/radial_load_y_n", -1e7, 1e7, "N"),
     from("/scene/operation/radial_load_z_n", -1e7, 1e7, "N"),

@@ -183,6 +183,7 @@ impl RotorBearingInput {
             bearing: self.bearing.clone(),
             operation: OperationInput {
                 speed_rpm: SpeedInput::Constant(0.0),
+                outer_speed_rpm: None,
                 radial_load_y_n: None,
                 radial_load_z_n: None,
                 axial_load_n: None,

@@ -5,7 +5,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::loads::LoadInput;
-use super::operation::SpeedInput;
+use super::operation::{SPEED, SpeedInput, outer_speed};
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
 use super::scene_input::ResolvedScene;
 use super::shaft::{ElementsName, ShaftInput, check_place};
@@ -82,6 +82,11 @@ pub enum DirectionName {
 pub struct RotorOperationInput {
     /// Speed, at least 0. A `rotor` job takes the highest of a profile as its operating speed; a `machine` job starts with the first.
     pub speed_rpm: SpeedInput,
+    /// Speed of every outer ring about its axis, positive in the direction of `speed_rpm`. Default 0: they stand. A `rotor` job takes the speeds
+    /// at which inner and outer rings turn fastest relative to each other, and the outer one at every shaft speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer_speed_rpm: Option<SpeedInput>,
     /// Load on the mass centre of shaft and discs along +Y, the direction of gravity [N]. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub radial_load_y_n: Option<f64>,
@@ -131,6 +136,7 @@ pub struct ResolvedRotor {
     /// Its speed is the first of `speed`.
     pub rotor: Rotor,
     pub speed: SpeedProfile,
+    pub outer_speed: SpeedProfile,
     pub elements: Elements,
     /// The bearings of the rotor alone, in its order.
     pub scenes: Vec<ResolvedScene>,
@@ -143,6 +149,7 @@ impl RotorSceneInput {
         const OPERATION: &str = "/scene/operation";
         let operation = &mut self.operation;
         let speed = shaft_speed(&operation.speed_rpm, defaults);
+        let outer_speed = outer_speed(operation.outer_speed_rpm.as_ref(), defaults);
         let mut load = |name: &str, field: &mut Option<f64>| {
             let pointer = format!("{OPERATION}/{name}");
             let value = defaults.fill(pointer.clone(), field, 0.0);
@@ -179,6 +186,7 @@ impl RotorSceneInput {
         ResolvedRotor {
             rotor: Rotor { shaft, unbalances, supports, bearings, speed: speed.at(0.0).1, gravity, load, loads },
             speed,
+            outer_speed,
             elements,
             scenes,
             sensors,
@@ -188,19 +196,18 @@ impl RotorSceneInput {
 
 /// The speed in SI; at rest after an error.
 fn shaft_speed(input: &SpeedInput, defaults: &mut Defaults) -> SpeedProfile {
-    const POINTER: &str = "/scene/operation/speed_rpm";
     let known_errors = defaults.errors.len();
     match input {
         SpeedInput::Constant(speed) => {
-            defaults.check_of_rotor(POINTER, *speed);
+            defaults.check_of_rotor(SPEED, *speed);
         }
         SpeedInput::Profile(points) => {
             for (index, point) in points.iter().enumerate().take(MOST_POINTS) {
-                defaults.check_of_rotor(&format!("{POINTER}/{index}/rpm"), point.rpm);
+                defaults.check_of_rotor(&format!("{SPEED}/{index}/rpm"), point.rpm);
             }
         }
     }
-    let profile = if defaults.errors.len() == known_errors { input.resolve(defaults) } else { None };
+    let profile = if defaults.errors.len() == known_errors { input.resolve(SPEED, defaults) } else { None };
     profile.unwrap_or_else(SpeedProfile::at_rest)
 }
 

@@ -39,6 +39,7 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
 
 mod loads;
+mod power;
 
 const RPM: f64 = PI / 30.0;
 
@@ -77,6 +78,7 @@ fn motor_spindle() -> Machine {
             .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
             .to_vec(),
         speed: SpeedProfile::constant(6000.0 * RPM).unwrap(),
+        outer_speed: SpeedProfile::at_rest(),
         sensors: Vec::new(),
     }
 }
@@ -94,7 +96,7 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
     let of_part = |(index, part): (usize, &[f64])| {
         let m = dynamics.bearings[index].dynamics.mechanism();
         let mut loads = Energies { mechanism: m, elastic: 0.0 };
-        let (speed, ring) = (m.speed.at(0.0).1, dynamics.ring(index, place, velocity));
+        let (speed, ring) = (m.rotation.inner.at(0.0).1, dynamics.ring(index, place, velocity));
         dynamics.bearings[index].dynamics.rates_on_ring(time, part, ring, &mut vec![0.0; part.len()], Some(&mut loads));
         let mut sum = loads.elastic;
         for index in 0..m.layout.balls {

@@ -57,6 +57,8 @@ const BALL: &str = "BSF";
 const SHAFT: &str = "f_r";
 const CAGE: &str = "FTF";
 const OUTER: &str = "BPFO";
+/// Label of the rotation of the outer ring.
+const OUTER_RING: &str = "f_o";
 /// Label of a harmonic load.
 const LOAD: &str = "load";
 /// Cost of the first order of a load: lower than of the shaft, which an order of the load may coincide with.
@@ -82,6 +84,9 @@ pub(crate) struct LineSources<'a> {
     pub spindle_whirl: f64,
     /// The inner raceway has a defect. It turns through the load, so that its lines have several sidebands of the shaft.
     pub inner_defect: bool,
+    /// The outer ring turns. Balls then pass the load and the outer raceway at different rates, and a defect of it turns through the load if it
+    /// has one.
+    pub outer_ring: OuterRing,
     /// A raceway has waves or defects.
     pub uneven_raceways: bool,
     /// A ball has odd orders of its spin, too: it has a defect, which the raceways feel differently, or waves that others do not have.
@@ -90,6 +95,30 @@ pub(crate) struct LineSources<'a> {
     pub unequal_balls: bool,
     /// Frequencies of harmonic loads.
     pub loads: &'a [f64],
+}
+
+/// Motion of the outer ring, as lines show it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OuterRing {
+    Stands,
+    Turns { has_defect: bool },
+}
+
+impl LineSources<'_> {
+    fn outer_turns(&self) -> bool {
+        self.outer_ring != OuterRing::Stands
+    }
+
+    /// Returns true for the passage of the balls under the load.
+    fn is_passage(&self, term: &Term) -> bool {
+        if self.outer_turns() { term.name == CAGE && term.unit > 1 } else { term.name == OUTER }
+    }
+
+    /// Returns true for the ball passage over a raceway with a defect that turns through the load.
+    fn is_turning_defect(&self, term: &Term) -> bool {
+        self.inner_defect && term.name == INNER
+            || self.outer_ring == OuterRing::Turns { has_defect: true } && term.name == OUTER
+    }
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
@@ -175,8 +204,8 @@ fn label(frequency: f64, sources: &LineSources<'_>, resolution: f64) -> (String,
         // of balls that differ.
         let sides: f64 = combination[1..].iter().map(Term::cost).sum();
         // The cage carries a ball through the load.
-        let of_defect = sources.inner_defect && combination[0].name == INNER && combination[2].order == 0;
-        let of_balls = sources.unequal_balls && combination[0].name == OUTER && combination[1].order == 0;
+        let of_defect = sources.is_turning_defect(&combination[0]) && combination[2].order == 0;
+        let of_balls = sources.unequal_balls && sources.is_passage(&combination[0]) && combination[1].order == 0;
         let of_ball = combination[0].name == BALL;
         let tolerance = of_bins + TOLERANCE_SHARE * frequency.min(slipping(&combination));
         let is_near = |share: f64| deviation.abs() <= share * tolerance;
@@ -195,15 +224,17 @@ fn label(frequency: f64, sources: &LineSources<'_>, resolution: f64) -> (String,
 
 /// Frequencies of the terms that turn with the cage, without signs [Hz].
 fn slipping(combination: &[Term; 3]) -> f64 {
-    let slips = |term: &&Term| term.name != SHAFT && term.name != LOAD;
+    let slips = |term: &&Term| ![SHAFT, OUTER_RING, LOAD].contains(&term.name);
     combination.iter().filter(slips).map(|term| f64::from(term.order.abs()) * term.frequency).sum()
 }
 
 /// Combinations with a physical cause that come near the frequency:
-/// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
+/// - harmonics of the shaft and of the ball passage under the load, which is that of an outer raceway that stands, with sidebands of both and of
+///   the cage;
+/// - the ball passage of an outer raceway that turns, with sidebands of its ring;
 /// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
 /// - even orders of the spin of a ball that is no sphere, and odd ones where it has them, with sidebands of the cage, which carries the ball;
-/// - harmonic loads, and the ball passage of the outer raceway with sidebands of them;
+/// - harmonic loads, and the ball passage under the load with sidebands of them;
 /// - the whirl of cage and spindle, whose rates follow from their motion and not from the bearing's frequencies.
 fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1 };
@@ -211,6 +242,14 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     let shaft = term(SHAFT, all.shaft, 1.0);
     let cage = term(CAGE, all.cage, 1.6);
     let outer = term(OUTER, all.ball_pass_outer, 1.0);
+    let ring = term(OUTER_RING, all.outer_ring, 1.0);
+    let outer_turns = sources.outer_turns();
+    // Balls pass under the load at this rate, which is a multiple of the cage's.
+    let balls = (all.ball_pass / all.cage).round();
+    let passage = match outer_turns {
+        true => Term { unit: balls as i32, ..term(CAGE, all.ball_pass, 1.0) },
+        false => outer,
+    };
     let inner = term(INNER, all.ball_pass_inner, 1.1);
     let any_ball = term(BALL, all.ball_spin, 1.3);
     // A ball meets both raceways in a turn.
@@ -224,7 +263,7 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         let rest = frequency - sides.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let order = (rest / carrier.frequency).round();
         let highest = match carrier.name {
-            CAGE => HIGHEST_CAGE_ORDER,
+            CAGE if carrier.unit == 1 => HIGHEST_CAGE_ORDER,
             LOAD => HIGHEST_LOAD_ORDER,
             _ => HIGHEST_ORDER,
         };
@@ -233,15 +272,15 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         }
     };
     // Unequal balls drive every multiple of the cage speed.
-    let half_passage = (0.5 * all.ball_pass_outer / all.cage) as i32;
+    let half_passage = (0.5 * all.ball_pass / all.cage) as i32;
     let of_cage = if sources.unequal_balls { CAGE_SIDEBANDS.max(half_passage) } else { CAGE_SIDEBANDS };
     for k in side(&cage, of_cage) {
         let cage = cage.times(k);
         for n in side(&shaft, SHAFT_SIDEBANDS) {
-            carry(outer, [shaft.times(n), cage]);
+            carry(passage, [shaft.times(n), cage]);
         }
-        for m in side(&outer, OUTER_SIDEBANDS) {
-            carry(shaft, [outer.times(m), cage]);
+        for m in side(&passage, OUTER_SIDEBANDS) {
+            carry(shaft, [passage.times(m), cage]);
         }
         carry(ball, [shaft, cage]);
         if sources.odd_ball_orders {
@@ -251,11 +290,17 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     for n in side(&shaft, SHAFT_SIDEBANDS) {
         carry(inner, [shaft.times(n), cage]);
     }
+    if outer_turns {
+        for n in side(&ring, SHAFT_SIDEBANDS) {
+            carry(outer, [ring.times(n), cage]);
+        }
+        carry(ring, [shaft, cage]);
+    }
     carry(cage, [shaft, outer]);
     for load in sources.loads.iter().map(|&frequency| term(LOAD, frequency, LOAD_WEIGHT)) {
         carry(load, [shaft, cage]);
         for k in side(&load, 1).filter(|k| *k != 0) {
-            carry(outer, [load.times(k), cage]);
+            carry(passage, [load.times(k), cage]);
         }
     }
     // A whirling cage drives the spindle round at its own rate, so it has precedence.
@@ -271,7 +316,8 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     // So do uneven balls, and uneven raceways at any combination of shaft and ball passages.
     let at = |of: &[Term; 3]| of.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
     let is_of_surface = |of: &[Term; 3]| {
-        let of_raceway = sources.uneven_raceways && of.iter().all(|term| term.name != CAGE || term.order == 0);
+        let is_of_raceway = |term: &Term| term.name != CAGE || term.order == 0 || sources.is_passage(term);
+        let of_raceway = sources.uneven_raceways && of.iter().all(is_of_raceway);
         (of[0].name == BALL || of_raceway) && (frequency - at(of)).abs() <= GOOD_FIT * tolerance
     };
     let surfaces_drive = found.iter().any(is_of_surface);
@@ -316,6 +362,8 @@ mod tests {
         CharacteristicFrequencies {
             shaft,
             cage,
+            outer_ring: 0.0,
+            ball_pass: 7.0 * cage,
             ball_pass_outer: 7.0 * cage,
             ball_pass_inner: 7.0 * (shaft - cage),
             ball_spin: 1860.8,
@@ -328,6 +376,7 @@ mod tests {
             cage_whirl: 0.0,
             spindle_whirl: 0.0,
             inner_defect: false,
+            outer_ring: OuterRing::Stands,
             uneven_raceways: false,
             odd_ball_orders: false,
             unequal_balls: false,
@@ -407,6 +456,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft,
             cage: passage / 8.0,
+            outer_ring: 0.0,
+            ball_pass: passage,
             ball_pass_outer: passage,
             ball_pass_inner: 8.0 * shaft - passage,
             ball_spin: 0.0,
@@ -428,6 +479,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft,
             cage,
+            outer_ring: 0.0,
+            ball_pass: 17.0 * cage,
             ball_pass_outer: 17.0 * cage,
             ball_pass_inner: 17.0 * (shaft - cage),
             ball_spin: 0.0,
@@ -456,6 +509,8 @@ mod tests {
         let motor = CharacteristicFrequencies {
             shaft: 29.95,
             cage: 11.938,
+            outer_ring: 0.0,
+            ball_pass: 107.442,
             ball_pass_outer: 107.442,
             ball_pass_inner: 162.108,
             ball_spin: 70.509,
@@ -528,6 +583,8 @@ mod tests {
         let of_twelve = CharacteristicFrequencies {
             shaft: 0.0,
             cage: 82.034,
+            outer_ring: 0.0,
+            ball_pass: 984.41,
             ball_pass_outer: 984.41,
             ball_pass_inner: 1415.6,
             ball_spin: 0.0,
@@ -542,6 +599,8 @@ mod tests {
         let slow = CharacteristicFrequencies {
             shaft: 30.0,
             cage: 12.0,
+            outer_ring: 0.0,
+            ball_pass: 108.0,
             ball_pass_outer: 108.0,
             ball_pass_inner: 162.0,
             ball_spin: 70.0,
@@ -551,6 +610,8 @@ mod tests {
         let standing = CharacteristicFrequencies {
             shaft: 0.0,
             cage: 0.0,
+            outer_ring: 0.0,
+            ball_pass: 0.0,
             ball_pass_outer: 0.0,
             ball_pass_inner: 0.0,
             ball_spin: 0.0,

@@ -8,7 +8,6 @@
 
 use std::f64::consts::PI;
 
-use super::border::Shaft;
 use super::contact_frame::ContactFrame;
 use super::equations::Dynamics;
 use super::one_ball::OneBall;
@@ -18,6 +17,7 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale};
 use crate::physics::raceway::{OnBall, RelativeMotion};
 use crate::physics::surface::sphere::BallPose;
+use crate::simulation::model::mechanism::Rotations;
 use crate::simulation::model::state::{BallAttitude, BallState};
 
 /// A rotation as a quaternion: scalar and vector.
@@ -64,12 +64,6 @@ impl BallAttitude {
 }
 
 impl OneBall {
-    /// Turn of ideal rolling in the orbit frame [rad].
-    #[inline(always)]
-    pub(super) fn ideal_turn(&self, (angle, _, _): Shaft) -> f64 {
-        (self.spin_ratio - self.orbit_ratio) * angle
-    }
-
     /// Spin in the orbit frame less that of ideal rolling [rad/s].
     fn turning(&self, state: &BallState) -> Vector {
         let [x, r, t] = state.spin;
@@ -118,10 +112,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self,
         state: &BallState<Lanes>,
         attitude: &BallAttitude<Lanes>,
-        shaft: Shaft,
+        rotations: &Rotations,
     ) -> BallAttitude<Lanes> {
         let one = self.one();
-        let ideal = Azimuth::new(one.ideal_turn(shaft));
+        let ideal = Azimuth::new(rotations.turn);
         let mut rates = BallAttitude::default();
         for lane in 0..LANES {
             rates.put(lane, one.attitude_rates::<PLANAR>(&state.at(lane), &attitude.at(lane), ideal));
@@ -129,17 +123,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         rates
     }
 
-    /// Attitudes of balls side by side after a time step. `states`, `shafts`: before and after it.
+    /// Attitudes of balls side by side after a time step. `states`, `rotations`: before and after it.
     #[inline(never)]
     pub(super) fn advanced_attitudes(
         &self,
         attitude: &BallAttitude<Lanes>,
         states: [&BallState<Lanes>; 2],
-        shafts: [Shaft; 2],
+        rotations: [&Rotations; 2],
         step: f64,
     ) -> BallAttitude<Lanes> {
         let one = self.one();
-        let ideal = shafts.map(|shaft| one.ideal_turn(shaft));
+        let ideal = rotations.map(|rotations| rotations.turn);
         let mut advanced = BallAttitude::default();
         for lane in 0..LANES {
             let [before, after] = states.map(|state| state.at(lane));
@@ -156,12 +150,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         attitude: Option<&[BallAttitude<Lanes>; 2]>,
         relative: &PerRaceway<RelativeMotion<Lanes>>,
         frames: &F::Several,
-        shaft: Shaft,
+        rotations: &Rotations,
     ) -> PerRaceway<OnBall<Lanes>> {
-        let inner = self.on_balls_at_inner::<F>(first, attitude, &relative.inner, frames, shaft);
+        let inner = self.on_balls_at_inner::<F>(first, attitude, &relative.inner, frames, rotations);
         let mut outer = OnBall::default();
         if let Some([attitude, _]) = attitude {
-            let poses = self.poses(first, attitude, shaft);
+            let poses = self.poses(first, attitude, rotations);
             outer = self.mechanism().raceway.outer.on_balls::<PLANAR>(first, &relative.outer, &poses);
         }
         PerRaceway { inner, outer: outer.grown(&self.mechanism().bodies[first / LANES].oversize) }
@@ -175,20 +169,20 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         attitude: Option<&[BallAttitude<Lanes>; 2]>,
         relative: &RelativeMotion<Lanes>,
         frames: &F::Several,
-        shaft: Shaft,
+        rotations: &Rotations,
     ) -> OnBall<Lanes> {
         let mut on_balls = OnBall::default();
         if let Some([attitude, _]) = attitude {
-            let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, shaft), frames);
+            let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, rotations), frames);
             on_balls = self.mechanism().raceway.inner.on_balls::<PLANAR>(first, relative, &poses);
         }
         on_balls.grown(&self.mechanism().bodies[first / LANES].oversize)
     }
 
     /// Poses of the balls from `first` on in the frames of the outer contacts, which are the orbit frames.
-    fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, shaft: Shaft) -> BallPose<Lanes> {
+    fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, rotations: &Rotations) -> BallPose<Lanes> {
         let mut poses = BallPose::<Lanes>::default();
-        let turn = self.one().ideal_turn(shaft);
+        let turn = rotations.turn;
         let ideal = Azimuth::new(turn);
         for lane in 0..LANES {
             let attitude = attitude.at(lane);
