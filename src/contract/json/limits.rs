@@ -48,7 +48,7 @@ const OF_A_JOB: [FieldLimits; 13] = [
 ];
 
 /// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 48] = [
+const OF_A_ROTOR: [FieldLimits; 50] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
