@@ -19,7 +19,7 @@ use crate::physics::contact::damping::DampingLaw;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
-use crate::physics::frame::shaft::{Section, Shaft};
+use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion};
 use crate::physics::frames::dot;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::presets;
@@ -65,6 +65,7 @@ fn motor_spindle() -> Machine {
                 damping_ratio: 0.005,
                 rotating_share: 0.0,
                 is_axially_free: true,
+                motion: ShaftMotion::Bends,
             },
             unbalances: vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.3 }],
             supports: Vec::new(),
