@@ -28,7 +28,9 @@ pub fn resolve(
         if load.on.is_some_and(|on| on != body) {
             let detail = match body {
                 LoadedBody::Shaft => "the scene has a `shaft` in place of a spindle: leave it out, or give `shaft`",
-                LoadedBody::Spindle => "the scene has a rigid spindle in place of a `shaft`: leave it out, or give `spindle`",
+                LoadedBody::Spindle => {
+                    "the scene has a rigid spindle in place of a `shaft`: leave it out, or give `spindle`"
+                }
             };
             defaults.refuse(format!("{at}/on"), detail);
         }

@@ -50,7 +50,8 @@ fn unfolded(mut request: Value) -> Result<Unfolded, Vec<FieldError>> {
     let item = match scene.remove("bearings") {
         Some(Value::Array(mut list)) if list.len() == 1 => list.remove(0),
         Some(Value::Array(list)) => {
-            let detail = format!("{} bearings: this kind of job has one; give `kind` `machine` for several", list.len());
+            let detail =
+                format!("{} bearings: this kind of job has one; give `kind` `machine` for several", list.len());
             return refuse(LIST, detail);
         }
         _ => return refuse(LIST, "expected an array".to_owned()),

@@ -24,7 +24,15 @@ fn sections(parts: &[(usize, f64, f64, f64)]) -> Vec<Section> {
 }
 
 fn shaft(sections: Vec<Section>, discs: Vec<Disc>) -> Shaft {
-    Shaft { material: STEEL, sections, discs, damping_ratio: 0.0, rotating_share: 0.0, is_axially_free: false, motion: ShaftMotion::Bends }
+    Shaft {
+        material: STEEL,
+        sections,
+        discs,
+        damping_ratio: 0.0,
+        rotating_share: 0.0,
+        is_axially_free: false,
+        motion: ShaftMotion::Bends,
+    }
 }
 
 fn rotor(shaft: Shaft, supports: Vec<Support>) -> Rotor {

@@ -76,7 +76,8 @@ fn add_bearing(
     let ideal = m.rotations(0.0);
     let [axis, _, z] = Tilt::new(ring.tilt[0], ring.tilt[1]).columns;
     let tilting = add([0.0, ring.tilt_rate[0], 0.0], scale(ring.tilt_rate[1], z));
-    let inner = Moving { at: add(ring.position, [m.axial_offset, 0.0, 0.0]), velocity: ring.velocity, turning: tilting };
+    let inner =
+        Moving { at: add(ring.position, [m.axial_offset, 0.0, 0.0]), velocity: ring.velocity, turning: tilting };
     let outer = Moving { at: [0.0; 3], velocity: [0.0; 3], turning: [0.0; 3] };
     let (cage, cage_rates) = (m.layout.cage(part), m.layout.cage(rates));
     let cage_tilt = Tilt::new(cage.tilt[0], cage.tilt[1]);
@@ -222,7 +223,8 @@ fn powers_sum_to_the_rate_of_the_energy() {
         let (off, largest) = (powers.total(), powers.largest());
         assert!(off.abs() < 1e-12 * largest, "state {seed}: {off:e} W of {largest:e} W");
         // Each cause matters in these states.
-        for cause in ["raceways", "drives", "pockets", "weight", "drag", "churning", "bending", "damping of the shaft"] {
+        for cause in ["raceways", "drives", "pockets", "weight", "drag", "churning", "bending", "damping of the shaft"]
+        {
             assert!(powers.of(cause) > 1e6 * off.abs(), "state {seed}: {cause} {:e} W, {off:e}", powers.of(cause));
         }
     }

@@ -55,7 +55,12 @@ const RIGID: f64 = 1e4;
 
 impl Shaft {
     /// A rigid spindle of a length and a diameter [m], which are those of its outline: its mass stands at its centre.
-    pub fn rigid(body: SpindleBody, (length, diameter): (f64, f64), motion: ShaftMotion, is_axially_free: bool) -> Self {
+    pub fn rigid(
+        body: SpindleBody,
+        (length, diameter): (f64, f64),
+        motion: ShaftMotion,
+        is_axially_free: bool,
+    ) -> Self {
         let SpindleBody { mass, centre, inertia } = body;
         let outline = Tube { outer_diameter: diameter, inner_diameter: 0.0 };
         let elastic_modulus = RIGID * GCR15.elastic_modulus;
