@@ -111,7 +111,7 @@ fn reference(file: &str) {
             observer.after(integrator.as_ref());
         }
         let recording = observer.finish();
-        let mut line = format!("{parameters:?} cage {:.9}", recording.cage_speed / recording.shaft_speed);
+        let mut line = format!("{parameters:?} cage {:.9}", recording.speeds.cage / recording.speeds.shaft);
         for window in 0..WINDOWS {
             for level in levels(&recording, window) {
                 let _ = write!(line, " {level:.9e}");

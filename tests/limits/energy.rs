@@ -40,7 +40,7 @@ fn energy(model: &Model, time: f64, state: &[f64]) -> f64 {
     let m = model.mechanism();
     let layout = m.layout;
     let (_, loads) = watched(model, time, state);
-    let speed = m.speed.at(time).1;
+    let speed = m.rotation.inner.at(time).1;
     let spindle = layout.spindle(state);
     let mut sum = 0.5 * m.spindle_mass * dot(spindle.velocity, spindle.velocity) - dot(m.load, spindle.position);
     sum -= m.spindle_mass * m.gravity * spindle.position[1];

@@ -119,7 +119,7 @@ fn loads_do_work_on_the_spindle_alone() {
     for axis in 0..2 {
         gained += transverse * (with.tilt_rate[axis] - without.tilt_rate[axis]) * spindle.tilt_rate[axis];
     }
-    let angle = m.speed.at(time).0;
+    let angle = m.rotation.inner.at(time).0;
     let turning = 2.0 * angle - 50_f64.to_radians();
     let force = [
         7.0 * (TAU * 900.0 * time + 20_f64.to_radians()).cos(),

@@ -21,6 +21,7 @@ mod mirror_symmetry;
 mod momentum;
 mod neighbours;
 mod other_integrator;
+mod outer_ring;
 mod passage_frequencies;
 mod plane_motion;
 mod quasi_static;

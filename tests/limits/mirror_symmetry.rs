@@ -8,8 +8,8 @@ use serde_json::{Value, json};
 
 use crate::article_run::{patient, settings};
 use crate::scenes::{
-    article, axial_waves, changed, defects, disturbed, everything, model, model_on, rates, scene, unequal,
-    uneven_balls, waves,
+    article, axial_waves, changed, defects, disturbed, everything, model, model_on, rates, scene, turning_outer_ring,
+    unequal, uneven_balls, waves,
 };
 use raceway::simulation::input::model_level::ModelLevel;
 use raceway::simulation::input::settings::RunSettings;
@@ -71,13 +71,14 @@ pub fn mirrored_scene(mut json: Value) -> Value {
         }
     };
     let operation = &mut json["operation"];
-    for field in ["radial_load_z_n", "speed_rpm"] {
+    for field in ["radial_load_z_n", "speed_rpm", "outer_speed_rpm"] {
         if operation.get(field).is_some() {
             negate(&mut operation[field]);
         }
     }
-    if let Some(points) = operation["speed_rpm"].as_array_mut() {
-        points.iter_mut().for_each(|point| negate(&mut point["rpm"]));
+    for field in ["speed_rpm", "outer_speed_rpm"] {
+        let points = operation.get_mut(field).and_then(Value::as_array_mut);
+        points.into_iter().flatten().for_each(|point| negate(&mut point["rpm"]));
     }
     if operation.get("misalignment_mrad").is_some() {
         negate(&mut operation["misalignment_mrad"]["y"]);
@@ -157,6 +158,17 @@ fn rates_of_the_mirror_image_are_the_mirror_image_of_the_rates() {
                 json!({ "bearing": { "cage": { "land": { "clearance_mm": 0.1, "diameter_mm": 15, "width_mm": 0.5 } } } }),
             ),
         ),
+        ("turning outer ring", of(turning_outer_ring())),
+        (
+            "land in a turning ring",
+            changed(
+                of(turning_outer_ring()),
+                json!({
+                    "bearing": { "cage": { "land": { "clearance_mm": 0.1, "diameter_mm": 15, "width_mm": 0.5 } } }
+                }),
+            ),
+        ),
+        ("defects of a turning ring", changed(of(turning_outer_ring()), defects(0.1))),
         ("waves", of(waves())),
         ("unequal balls", of(unequal())),
         ("defects", of(defects(0.1))),

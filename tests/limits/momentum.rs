@@ -8,7 +8,9 @@ use raceway::simulation::input::channel::BallContact;
 use raceway::simulation::model::{Model, Watch};
 use serde_json::{Value, json};
 
-use crate::scenes::{Loads, azimuth, changed, disturbed, everything, model, sizes, uneven_balls, watched};
+use crate::scenes::{
+    Loads, azimuth, changed, disturbed, everything, model, sizes, turning_outer_ring, uneven_balls, watched,
+};
 
 const TIME: f64 = 1.7e-4;
 /// Rounding error of sums of forces: a few units in the last place for each of the 21 contacts. The terms r θ̇² and 2 ṙ θ̇ add
@@ -32,6 +34,7 @@ fn all_scenes() -> Vec<(&'static str, Value)> {
         ("Eyring", of(json!({ "lubricant": { "traction": { "law": "eyring" } } }))),
         ("Coulomb", of(json!({ "lubricant": { "traction": { "law": "coulomb" } } }))),
         ("uneven balls", of(uneven_balls(5.0))),
+        ("turning outer ring", of(turning_outer_ring())),
         ("elastic bars", of(json!({ "bearing": { "cage": { "bar_stiffness_n_per_m": 1e5 } } }))),
     ]
 }
@@ -62,11 +65,11 @@ fn total(vectors: &[Vector]) -> Vector {
 /// Acceleration of a ball in the inertial frame from its rates of state.
 fn ball_acceleration(model: &Model, state: &[f64], rates: &[f64], ball: usize) -> Vector {
     let m = model.mechanism();
-    let (_, speed, acceleration) = m.speed.at(TIME);
+    let ideal = m.rotations(TIME).orbit;
     let (now, rate) = (m.layout.ball(state, ball), m.layout.ball(rates, ball));
     let radius = m.pitch_radius + now.radial;
-    let orbit = m.orbit_ratio * speed + now.arc_velocity / m.pitch_radius;
-    let orbit_rate = m.orbit_ratio * acceleration + rate.arc_velocity / m.pitch_radius;
+    let orbit = ideal.speed + now.arc_velocity / m.pitch_radius;
+    let orbit_rate = ideal.acceleration + rate.arc_velocity / m.pitch_radius;
     let local = [
         rate.axial_velocity,
         rate.radial_velocity - radius * orbit * orbit,
@@ -78,7 +81,7 @@ fn ball_acceleration(model: &Model, state: &[f64], rates: &[f64], ball: usize) -
 /// Load, weight and unbalance of the spindle.
 fn spindle_load(model: &Model) -> Vector {
     let m = model.mechanism();
-    let (angle, speed, acceleration) = m.speed.at(TIME);
+    let (angle, speed, acceleration) = m.rotation.inner.at(TIME);
     let weight = [0.0, m.spindle_mass * m.gravity, 0.0];
     add(add(m.load, weight), unbalance_force(m.unbalance, angle, speed, acceleration))
 }
@@ -153,7 +156,7 @@ fn force_on_the_cage_is_opposite_to_that_of_its_pockets() {
 fn cage_spin_momentum(model: &Model, time: f64, state: &[f64]) -> Vector {
     let m = model.mechanism();
     let cage = m.layout.cage(state);
-    let spin = m.orbit_ratio * m.speed.at(time).1 + cage.arc_velocity / m.pitch_radius;
+    let spin = m.rotations(time).orbit.speed + cage.arc_velocity / m.pitch_radius;
     let (axial, transverse) = (m.cage.axial_inertia, m.cage.transverse_inertia);
     let local = [axial * spin, transverse * cage.tilt_rate[0], transverse * cage.tilt_rate[1]];
     Tilt::new(cage.tilt[0], cage.tilt[1]).to_inertial(local)
@@ -169,16 +172,16 @@ fn cage_centre(model: &Model, state: &[f64]) -> Vector {
 /// Angular momentum of balls and cage about the bearing centre, inertial frame.
 fn angular_momentum(model: &Model, time: f64, state: &[f64]) -> Vector {
     let m = model.mechanism();
-    let speed = m.speed.at(time).1;
+    let ideal = m.rotations(time);
     let cage = scale(m.cage.mass, cross(cage_centre(model, state), m.layout.cage(state).velocity));
     let mut sum = add(cage_spin_momentum(model, time, state), cage);
     for index in 0..m.layout.balls {
         let ball = m.layout.ball(state, index);
         let radius = m.pitch_radius + ball.radial;
-        let orbit = m.orbit_ratio * speed + ball.arc_velocity / m.pitch_radius;
+        let orbit = ideal.orbit.speed + ball.arc_velocity / m.pitch_radius;
         let place = [ball.axial, radius, 0.0];
         let velocity = [ball.axial_velocity, ball.radial_velocity, radius * orbit];
-        let spin = add(ball.spin, [m.spin_ratio * speed, 0.0, 0.0]);
+        let spin = add(ball.spin, [ideal.spin.speed, 0.0, 0.0]);
         let own = add(scale(m.ball_mass, cross(place, velocity)), scale(m.ball_inertia, spin));
         sum = add(sum, Azimuth::new(azimuth(model, time, state, index)).to_inertial(own));
     }
@@ -264,7 +267,7 @@ fn drag_brakes_balls_only() {
     for index in 0..m.layout.balls {
         let (a, b) = (m.layout.ball(&with, index), m.layout.ball(&without, index));
         let ball = m.layout.ball(&state, index);
-        let orbit = m.orbit_ratio * m.speed.at(TIME).1 + ball.arc_velocity / m.pitch_radius;
+        let orbit = m.orbit_ratio * m.rotation.inner.at(TIME).1 + ball.arc_velocity / m.pitch_radius;
         let force = m.drag.unwrap().force(m.pitch_radius * orbit);
         let radius = m.pitch_radius + ball.radial;
         let expected = m.pitch_radius * force / (m.ball_mass * radius);
@@ -286,10 +289,10 @@ fn unbalance_is_the_inertia_of_a_turning_mass() {
     assert!(m.unbalance > 0.0);
     const STEP: f64 = 1e-7;
     for time in [1e-5, 1e-4, 5e-4, 9e-4] {
-        let (angle, speed, acceleration) = m.speed.at(time);
+        let (angle, speed, acceleration) = m.rotation.inner.at(time);
         let found = unbalance_force(m.unbalance, angle, speed, acceleration);
         let place = |time: f64| {
-            let (sine, cosine) = m.speed.at(time).0.sin_cos();
+            let (sine, cosine) = m.rotation.inner.at(time).0.sin_cos();
             [0.0, cosine, sine]
         };
         let bend = subtract(add(place(time + STEP), place(time - STEP)), scale(2.0, place(time)));

@@ -66,7 +66,7 @@ fn contacts(model: &Model, state: &[f64]) -> Vec<NeighbourLoad> {
 /// Place, velocity and angular velocity of a ball in the inertial frame.
 fn motion(model: &Model, time: f64, state: &[f64], ball: usize) -> [Vector; 3] {
     let m = model.mechanism();
-    let (speed, now) = (m.speed.at(time).1, m.layout.ball(state, ball));
+    let (speed, now) = (m.rotation.inner.at(time).1, m.layout.ball(state, ball));
     let radius = m.pitch_radius + now.radial;
     let along = radius * (m.orbit_ratio * speed + now.arc_velocity / m.pitch_radius);
     let turned = Azimuth::new(azimuth(model, time, state, ball));

@@ -59,7 +59,7 @@ fn a_slow_spindle_passes_through_static_states() {
     let json = changed(article(), json!({ "gravity_m_s2": 0, "operation": { "speed_rpm": 500 } }));
     let model = model(&json);
     let m = model.mechanism();
-    let duration = 0.5 * TAU / 7.0 / (m.orbit_ratio * m.speed.at(0.0).1);
+    let duration = 0.5 * TAU / 7.0 / (m.orbit_ratio * m.rotation.inner.at(0.0).1);
     let mut state = start_state(&model).unwrap();
     let (mut highest, mut lowest, mut worst) = (f64::NEG_INFINITY, f64::INFINITY, 0.0_f64);
     let mut time = 0.0;
@@ -86,7 +86,7 @@ fn mean_reactions_balance_the_mean_load() {
     let model = model(&article());
     let m = model.mechanism();
     let settled = advance(&model, &start_state(&model).unwrap(), (0.0, 6e-3), 1e-6, |_| {});
-    let pass = TAU / 7.0 / (m.orbit_ratio * m.speed.at(0.0).1);
+    let pass = TAU / 7.0 / (m.orbit_ratio * m.rotation.inner.at(0.0).1);
     let (start, end) = (6e-3, 6e-3 + 8.0 * pass);
     let looks = 8 * 200;
     let (mut inner, mut outer) = ([0.0; 3], [0.0; 3]);

@@ -109,7 +109,7 @@ fn long_steps_preserve_levels() {
                 let most = if *channel == Channel::CageSpeed { 4.0 } else { 0.1 };
                 assert!(decibels.abs() < most, "{channel} {ratio:?} {decibels} dB");
             }
-            assert!((long.cage_speed / short.cage_speed - 1.0).abs() < 1e-4, "{ratio:?}");
+            assert!((long.speeds.cage / short.speeds.cage - 1.0).abs() < 1e-4, "{ratio:?}");
         }
     }
 }
@@ -182,7 +182,7 @@ fn mean_forces_balance() {
     assert!(mean.abs() < 5e-3 * 200.0 / 0.05, "{mean}");
     let model = model(&scene);
     let m = model.mechanism();
-    assert!((recording.cage_speed / (m.orbit_ratio * recording.shaft_speed) - 1.0).abs() < 0.01);
+    assert!((recording.speeds.cage / (m.orbit_ratio * recording.speeds.shaft) - 1.0).abs() < 0.01);
     assert!(recording.contacts.inner.max_load[0] > 50.0 && recording.max_pocket_load < 10.0);
 }
 

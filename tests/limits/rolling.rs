@@ -80,7 +80,7 @@ fn balls_without_load_have_no_slip() {
 fn unloaded_ball_orbits_at_rolling_speed() {
     let model = model(&article());
     let m = model.mechanism();
-    let speed = m.speed.at(0.0).1;
+    let speed = m.rotation.inner.at(0.0).1;
     let rolling = m.orbit_ratio * speed * m.pitch_radius;
     let mut worst: f64 = 0.0;
     let start = start_state(&model).unwrap();
@@ -101,7 +101,7 @@ fn balls_without_a_load_keep_rolling() {
     let free = json!({ "gravity_m_s2": 0, "operation": { "radial_load_y_n": 0 }, "terms": { "drag": "off", "churning": "off" } });
     let model = model(&changed(article(), free));
     let m = model.mechanism();
-    let speed = m.speed.at(0.0).1;
+    let speed = m.rotation.inner.at(0.0).1;
     let end = advance(&model, &start_state(&model).unwrap(), (0.0, 3e-3), 1e-5, |_| {});
     for ball in 0..m.layout.balls {
         let state = m.layout.ball(&end, ball);

@@ -32,6 +32,11 @@ pub fn everything() -> Value {
     )
 }
 
+/// An outer ring that turns against the inner one at a falling speed.
+pub fn turning_outer_ring() -> Value {
+    json!({ "operation": { "outer_speed_rpm": [{ "at_s": 0, "rpm": -20_000 }, { "at_s": 0.01, "rpm": 5_000 }] } })
+}
+
 /// Surfaces with waves on both raceways.
 pub fn waves() -> Value {
     json!({
@@ -228,7 +233,7 @@ pub fn watched(model: &Model, time: f64, state: &[f64]) -> (Vec<f64>, Loads) {
 /// Azimuth of a ball [rad].
 pub fn azimuth(model: &Model, time: f64, state: &[f64], ball: usize) -> f64 {
     let m = model.mechanism();
-    m.start_azimuth(ball) + m.orbit_ratio * m.speed.at(time).0 + m.layout.ball(state, ball).arc / m.pitch_radius
+    m.start_azimuth(ball) + m.rotations(time).orbit.angle + m.layout.ball(state, ball).arc / m.pitch_radius
 }
 
 /// Advances a model with the built-in integrator and passes on the state after each step.

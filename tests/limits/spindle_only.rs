@@ -182,6 +182,6 @@ fn unbalance_and_ramps_run_in_time() {
     let points = vec![(0.0, 1000.0), (0.1, 3000.0)];
     scene.operation.speed = raceway::physics::operation::SpeedProfile::new(points).unwrap();
     let (ramp, statistics) = simulate(&scene, &base, &QUIET).unwrap();
-    assert!((ramp.shaft_speed - 2750.0).abs() < 1.0);
+    assert!((ramp.speeds.shaft - 2750.0).abs() < 1.0);
     assert!(levels(&ramp).iter().all(|level| level.is_finite() && *level > 0.0) && statistics.steps > 5000);
 }

@@ -56,7 +56,7 @@ fn a_ring_without_contact_is_a_gyroscope() {
     (spindle.position, spindle.tilt, spindle.tilt_rate) = ([0.0; 3], [0.0; 2], [3.0, -2.0]);
     layout.set_spindle(&mut state, &spindle);
     let rate = layout.spindle(&rates(&model, 0.0, &state));
-    let gyroscopic = 5e-7 / 2e-5 * model.mechanism().speed.at(0.0).1;
+    let gyroscopic = 5e-7 / 2e-5 * model.mechanism().rotation.inner.at(0.0).1;
     assert_eq!(rate.tilt, [3.0, -2.0]);
     let expected = [gyroscopic * 2.0, gyroscopic * 3.0];
     for (rate, expected) in rate.tilt_rate.into_iter().zip(expected) {

@@ -149,7 +149,7 @@ fn larger_balls_orbit_slower() {
         let model = model_on(&changed(json, balls(&all)), Some(ModelLevel::Planar));
         let (m, time) = (model.mechanism(), 0.02);
         let end = advance(&model, &start_state(&model).unwrap(), (0.0, time), 1e-6, |_| {});
-        1.0 + m.layout.ball(&end, 0).arc_velocity / (m.pitch_radius * m.orbit_ratio * m.speed.at(time).1)
+        1.0 + m.layout.ball(&end, 0).arc_velocity / (m.pitch_radius * m.orbit_ratio * m.rotation.inner.at(time).1)
     };
     let lag = 1.0 - orbit_speed(-2.0, 1.0) / orbit_speed(-4.0, 0.0);
     assert!((lag / 3.217e-5 - 1.0).abs() < 0.01, "{lag:e}");

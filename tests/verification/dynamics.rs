@@ -162,7 +162,7 @@ fn gyroscopic_moment() {
     let of = |about_t: f64| {
         let model = Model::new(&scene, &needs(&scene));
         let m = model.mechanism();
-        let (_, speed, _) = m.speed.at(0.0);
+        let (_, speed, _) = m.rotation.inner.at(0.0);
         let rest = equilibrium(m, speed).unwrap();
         let orbit = m.orbit_ratio * speed;
         let (sine, cosine) = rest.angles[0].outer;

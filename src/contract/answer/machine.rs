@@ -80,6 +80,10 @@ pub struct MachineChannelAnswer {
 pub struct MachineBearingAnswer {
     /// Turns of the shaft [Hz].
     pub shaft_hz: f64,
+    /// Turns of the outer ring [Hz]; absent where it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer_ring_hz: Option<f64>,
     /// FTF: turns of the cage at its simulated speed [Hz].
     pub cage_hz: f64,
     /// BPFO: balls passing a point of the outer raceway [Hz].
@@ -252,6 +256,7 @@ fn bearing_answer(metrics: &BearingMetrics) -> MachineBearingAnswer {
     let (record, at) = (&metrics.record, &metrics.frequencies);
     MachineBearingAnswer {
         shaft_hz: at.shaft,
+        outer_ring_hz: (at.outer_ring > 0.0).then_some(at.outer_ring),
         cage_hz: at.cage,
         ball_pass_outer_hz: at.ball_pass_outer,
         ball_pass_inner_hz: at.ball_pass_inner,

@@ -19,6 +19,14 @@ use raceway_core::simulation::result::metrics::SolverReport;
 pub struct FrequenciesAnswer {
     /// Shaft speed, f_r [Hz].
     pub shaft: f64,
+    /// Speed of the outer ring, f_o [Hz]; absent where it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer_ring: Option<f64>,
+    /// Balls passing a direction in space, such as that of the load [Hz]; absent where the outer ring stands, because it is BPFO there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub ball_pass: Option<f64>,
     /// Cage speed, FTF [Hz].
     pub cage: f64,
     /// Ball pass frequency of the outer raceway, BPFO [Hz].
@@ -164,6 +172,8 @@ impl From<CharacteristicFrequencies> for FrequenciesAnswer {
     fn from(f: CharacteristicFrequencies) -> Self {
         Self {
             shaft: f.shaft,
+            outer_ring: (f.outer_ring > 0.0).then_some(f.outer_ring),
+            ball_pass: (f.outer_ring > 0.0).then_some(f.ball_pass),
             cage: f.cage,
             ball_pass_outer: f.ball_pass_outer,
             ball_pass_inner: f.ball_pass_inner,

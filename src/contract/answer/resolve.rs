@@ -203,7 +203,7 @@ fn messages_of(base: &Simulation) -> Vec<MessageAnswer> {
 
 fn resonances(base: &Simulation) -> Vec<ResonanceAnswer> {
     let ideal = Mechanism::new(base.scene(), &base.terms);
-    contact_resonances(&ideal, base.scene().operating_speed()).iter().map(ResonanceAnswer::from).collect()
+    contact_resonances(&ideal, base.scene().operating_speeds()).iter().map(ResonanceAnswer::from).collect()
 }
 
 /// Terms omitted on the first model level.
@@ -236,7 +236,7 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         axial_load_over_rating: scene.operation.start_load()[0].abs() / rating,
         free_contact_angle_deg: DEG.to_user(bearing.free_contact_angle),
         radial_clearance_um: UM.to_user(bearing.radial_clearance),
-        frequencies_hz: ideal_frequencies(bearing, scene.operating_speed()).into(),
+        frequencies_hz: ideal_frequencies(bearing, scene.operating_speeds()).into(),
         frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
         frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
         loads: Vec::new(),

@@ -16,6 +16,7 @@ use super::submission::Submission;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::single_bearing::with_single_bearing;
 
 /// A checked job.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,13 +32,25 @@ pub enum Job {
 impl Job {
     /// Checks a request, whose field `kind` decides the kind of the job.
     pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
-        match JobKind::of(&request)? {
-            JobKind::Simulation => Simulation::of(request, uploads).map(Self::Simulation),
+        let kind = JobKind::of(&request)?;
+        match kind {
+            JobKind::Simulation | JobKind::Study | JobKind::Optimum | JobKind::Accuracy => {
+                with_single_bearing(request, |request| Self::of_one_bearing(kind, request, uploads))
+            }
+            JobKind::Rotor => RotorJob::of(request, uploads).map(|job| Self::Rotor(Box::new(job))),
+            JobKind::Machine => MachineJob::of(request, uploads).map(|job| Self::Machine(Box::new(job))),
+        }
+    }
+
+    /// Checks a request whose scene has one bearing.
+    fn of_one_bearing(kind: JobKind, request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        match kind {
             JobKind::Study => Study::of(request, uploads).map(Self::Study),
             JobKind::Optimum => Search::of(request, uploads).map(Self::Optimum),
             JobKind::Accuracy => Comparison::of(request, uploads).map(Self::Accuracy),
-            JobKind::Rotor => RotorJob::of(request, uploads).map(|job| Self::Rotor(Box::new(job))),
-            JobKind::Machine => MachineJob::of(request, uploads).map(|job| Self::Machine(Box::new(job))),
+            JobKind::Simulation | JobKind::Rotor | JobKind::Machine => {
+                Simulation::of(request, uploads).map(Self::Simulation)
+            }
         }
     }
 

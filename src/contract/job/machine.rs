@@ -3,7 +3,7 @@
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Machine, MachineBearing};
 use raceway_core::machine::settings::{MachineSettings, RANGE};
-use raceway_core::rotor::input::Rotor;
+use raceway_core::physics::kinematics::RingSpeeds;
 use raceway_core::simulation::input::channel::{Axis, Motion};
 use raceway_core::simulation::recording::sampling::RATE;
 use serde::{Deserialize, Serialize};
@@ -161,7 +161,7 @@ impl MachineJob {
 
 /// The machine in SI; `None` after errors in its bearings.
 fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut Defaults) -> Option<Machine> {
-    let ResolvedRotor { rotor, scenes, sensors, speed, .. } = resolved;
+    let ResolvedRotor { rotor, scenes, sensors, speed, outer_speed, .. } = resolved;
     let inputs = scene.bearings.as_deref_mut().unwrap_or_default();
     if inputs.len() != scenes.len() {
         return None;
@@ -174,14 +174,17 @@ fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut
         let azimuth = DEG.to_si(defaults.fill(pointer, &mut input.start_azimuth_deg, usual));
         bearings.push(MachineBearing { name: input.name.clone(), scene: scene.clone(), start_azimuth: azimuth });
     }
-    let rotor = Rotor { speed: speed.at(0.0).1, ..rotor.clone() };
-    Some(Machine { rotor, bearings, speed: speed.clone(), sensors: sensors.clone() })
+    let rotor = rotor.clone().at_speeds(RingSpeeds { inner: speed.at(0.0).1, outer: outer_speed.at(0.0).1 });
+    Some(Machine { rotor, bearings, speed: speed.clone(), outer_speed: outer_speed.clone(), sensors: sensors.clone() })
 }
 
 /// Times, accuracy and outputs of the run. Errors are noted in `defaults`.
 fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut Defaults) -> MachineSettings {
-    if let Some(machine) = machine.filter(|machine| !machine.speed.is_constant()) {
-        let (first, last) = (machine.speed.points()[0].0, machine.speed.end());
+    let changing = machine.into_iter().flat_map(|machine| [&machine.speed, &machine.outer_speed]);
+    let changing: Vec<_> = changing.filter(|speed| !speed.is_constant()).collect();
+    if !changing.is_empty() {
+        let first = changing.iter().map(|speed| speed.points()[0].0).fold(f64::INFINITY, f64::min);
+        let last = changing.iter().map(|speed| speed.end()).fold(0.0, f64::max);
         let settle = defaults.fill("/settle_s", &mut input.settle_s, first);
         let run_up = significant((last - settle).clamp(DURATION_S, MAX_RUN_UP_S), 6);
         defaults.fill("/duration_s", &mut input.duration_s, run_up);

@@ -77,6 +77,7 @@ pub struct OrderRequest {
 }
 
 const REVERSES: &str = "the shaft reverses within the recorded time: orders need one direction";
+const OUTER_RING_TURNS: &str = "the outer ring turns (/scene/operation/outer_speed_rpm): orders of the shaft name cage and balls only where it stands";
 const OF: &str = "/outputs/orders";
 /// Default of the highest order over that of BPFI [-].
 const USUAL_MULTIPLE: f64 = 4.0;
@@ -87,6 +88,11 @@ const DEFAULT_TRACKS: [&str; 7] = ["1", "2", "FTF", "BPFO", "2·BPFO", "BPFI", "
 const DEFAULT_TRACKS_OF_EACH: [&str; 2] = ["BPFO", "BPFI"];
 const MOST_CHANNELS: usize = 8;
 const MOST_TRACKS: usize = 32;
+
+/// The reason why a run has no orders.
+fn without_angle(run: &RecordedTurns) -> &'static str {
+    if run.outer_ring_turns { OUTER_RING_TURNS } else { REVERSES }
+}
 
 impl OrdersInput {
     /// These settings, and others where one is missing.
@@ -115,7 +121,7 @@ impl OrdersInput {
     /// The analysis, or `None` after its errors were noted.
     pub fn resolve(&mut self, run: &RecordedTurns, defaults: &mut Defaults) -> Option<OrderRequest> {
         let Some(angle) = &run.angle else {
-            defaults.refuse(OF, REVERSES);
+            defaults.refuse(OF, without_angle(run));
             return None;
         };
         let faults = defaults.errors.len();
@@ -218,7 +224,7 @@ pub fn time_windows(
     max_frequency_hz: Option<f64>,
 ) -> Result<TimeWindows, FieldError> {
     let refuse = |field: &str, detail: String| Err(FieldError::new(field, detail));
-    let Some(angle) = &run.angle else { return refuse("", REVERSES.to_owned()) };
+    let Some(angle) = &run.angle else { return refuse("", without_angle(run).to_owned()) };
     let duration = angle.duration() + RATE.recip();
     let sharpest = sharpest_window(run.ball_pass_inner(), angle.steepest()).min(LONGEST_WINDOW * duration);
     let shortest = FEWEST_VALUES / RATE;

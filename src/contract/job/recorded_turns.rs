@@ -15,8 +15,9 @@ const USUAL_BALL_PASS: f64 = 5.0;
 /// Recorded turns of a run, and its bearings.
 #[derive(Debug, Clone)]
 pub struct RecordedTurns {
-    /// `None` where the shaft reverses.
+    /// `None` where the shaft reverses, or the outer ring turns.
     pub angle: Option<ShaftAngle>,
+    pub outer_ring_turns: bool,
     pub bearings: Vec<RecordedBearing>,
 }
 
@@ -34,7 +35,8 @@ impl RecordedTurns {
     /// Turns between the end of settling [s] and the last value of a recorded time [s].
     pub fn of(scene: &Scene, settle: f64, duration: f64) -> Self {
         Self {
-            angle: recorded_angle(&scene.operation.speed, settle, duration),
+            angle: recorded_angle([&scene.operation.speed, &scene.operation.outer_speed], settle, duration),
+            outer_ring_turns: scene.operation.outer_speed.largest() > 0.0,
             bearings: vec![RecordedBearing::of(scene, None)],
         }
     }
@@ -43,7 +45,8 @@ impl RecordedTurns {
     pub fn of_machine(machine: &Machine, settle: f64, duration: f64) -> Self {
         let bearings = machine.bearings.iter();
         Self {
-            angle: recorded_angle(&machine.speed, settle, duration),
+            angle: recorded_angle([&machine.speed, &machine.outer_speed], settle, duration),
+            outer_ring_turns: machine.outer_speed.largest() > 0.0,
             bearings: bearings.map(|bearing| RecordedBearing::of(&bearing.scene, Some(&bearing.name))).collect(),
         }
     }
@@ -94,9 +97,10 @@ impl RecordedBearing {
 }
 
 /// Angle between the end of settling [s] and the last value of a recorded time [s].
-fn recorded_angle(speed: &SpeedProfile, settle: f64, duration: f64) -> Option<ShaftAngle> {
+fn recorded_angle([shaft, outer]: [&SpeedProfile; 2], settle: f64, duration: f64) -> Option<ShaftAngle> {
     let last = (settle + duration - RATE.recip()).max(settle);
-    ShaftAngle::new(speed, settle, last)
+    let stands = outer.largest() == 0.0;
+    stands.then(|| ShaftAngle::new(shaft, settle, last)).flatten()
 }
 
 fn has_cage(scene: &Scene) -> bool {

@@ -1,5 +1,6 @@
 //! A rotor job: natural frequencies, critical speeds and responses of a shaft on its supports.
 
+use raceway_core::physics::operation::RingRotation;
 use raceway_core::rotor::input::{Request, Rotor};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
@@ -141,8 +142,8 @@ impl RotorJob {
         let speeds_rpm = speeds(input, draft.resolved.speed.largest(), defaults);
         let modes = defaults.fill("/modes", &mut input.modes, MODES);
         defaults.check_of_rotor("/modes", f64::from(modes));
-        let (submission, input, ResolvedRotor { rotor, elements, speed, .. }) = draft.finish()?;
-        let rotor = Rotor { speed: speed.largest(), ..rotor };
+        let (submission, input, ResolvedRotor { rotor, elements, speed, outer_speed, .. }) = draft.finish()?;
+        let rotor = rotor.at_speeds(RingRotation { inner: speed, outer: outer_speed }.operating());
         let speeds = speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect();
         let request = Request { elements, speeds, modes: modes as usize };
         Ok(Self { submission, input, rotor, request, speeds_rpm })

@@ -32,8 +32,9 @@ pub fn default_settle(scene: Option<&Scene>) -> f64 {
 /// after the last change of a load, and 10 turns of the cage where a raceway is no circle, or balls or pockets differ.
 pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
     let passes = scene.map_or(0.1, |scene| numbers::significant(representative_time(scene), 6));
-    let changing = scene.map(|scene| &scene.operation.speed).filter(|speed| !speed.is_constant());
-    let of_speed = changing.map_or(0.0, |speed| speed.end() - settle);
+    let speeds = scene.into_iter().flat_map(|scene| [&scene.operation.speed, &scene.operation.outer_speed]);
+    let changing = speeds.filter(|speed| !speed.is_constant());
+    let of_speed = changing.map(|speed| speed.end() - settle).fold(0.0, f64::max);
     // What a load excites comes after it.
     let of_loads =
         scene.and_then(|scene| scene.operation.end_of_load_changes()).map_or(0.0, |end| end - settle + passes);
@@ -78,7 +79,7 @@ fn max_duration(series: usize) -> f64 {
 }
 
 fn frequencies(scene: &Scene) -> CharacteristicFrequencies {
-    ideal_frequencies(&scene.bearing, scene.operating_speed())
+    ideal_frequencies(&scene.bearing, scene.operating_speeds())
 }
 
 #[cfg(test)]

@@ -48,7 +48,7 @@ const OF_A_JOB: [FieldLimits; 13] = [
 ];
 
 /// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 48] = [
+const OF_A_ROTOR: [FieldLimits; 55] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -63,10 +63,17 @@ const OF_A_ROTOR: [FieldLimits; 48] = [
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),
     from("/scene/operation/speed_rpm", 0.0, 500_000.0, "r/min"),
     from("/scene/operation/speed_rpm/rpm", 0.0, 500_000.0, "r/min"),
+    from("/scene/operation/outer_speed_rpm", -500_000.0, 500_000.0, "r/min"),
+    from("/scene/operation/outer_speed_rpm/rpm", -500_000.0, 500_000.0, "r/min"),
     from("/scene/operation/loads/at_mm", 0.0, 4e6, "mm"),
     from("/scene/operation/radial_load_y_n", -1e7, 1e7, "N"),
     from("/scene/operation/radial_load_z_n", -1e7, 1e7, "N"),
     from("/scene/operation/axial_load_n", -1e7, 1e7, "N"),
+    from("/scene/spindle/mass_kg", 1e-9, 1e6, "kg"),
+    from("/scene/spindle/unbalance_g_mm", 0.0, 1e9, "g·mm"),
+    from("/scene/spindle/balance_grade", 0.0, 5000.0, "mm/s"),
+    from("/scene/spindle/transverse_inertia_kg_m2", 1e-12, 1e6, "kg m²"),
+    from("/scene/spindle/axial_inertia_kg_m2", 1e-12, 1e6, "kg m²"),
     from("/scene/shaft/material/elastic_modulus_gpa", 1e-3, 2000.0, "GPa"),
     from("/scene/shaft/material/poisson_ratio", 0.0, 0.5, ""),
     from("/scene/shaft/material/density_kg_m3", 10.0, 30_000.0, "kg/m³"),

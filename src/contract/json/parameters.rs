@@ -7,7 +7,7 @@ use super::problem::FieldError;
 use super::units::*;
 
 /// Each parameter of physics with its field under `/scene` and the field's unit.
-const FIELDS: [(&str, &str, Unit); 162] = [
+const FIELDS: [(&str, &str, Unit); 165] = [
     ("bearing.outer_diameter", "/bearing/outer_diameter_mm", MM),
     ("bearing.inner_diameter", "/bearing/inner_diameter_mm", MM),
     ("bearing.width", "/bearing/width_mm", MM),
@@ -106,6 +106,9 @@ const FIELDS: [(&str, &str, Unit); 162] = [
     ("operation.speed", "/operation/speed_rpm", RPM),
     ("operation.speed", "/operation/speed_rpm/rpm", RPM),
     ("operation.speed.at", "/operation/speed_rpm/at_s", S),
+    ("operation.outer_speed", "/operation/outer_speed_rpm", RPM),
+    ("operation.outer_speed", "/operation/outer_speed_rpm/rpm", RPM),
+    ("operation.outer_speed.at", "/operation/outer_speed_rpm/at_s", S),
     ("surfaces.inner.waviness.order", "/surfaces/inner/waviness/order", NUMBER),
     ("surfaces.inner.waviness.amplitude", "/surfaces/inner/waviness/amplitude_nm", NM),
     ("surfaces.inner.waviness.phase", "/surfaces/inner/waviness/phase_deg", DEG),

@@ -14,11 +14,14 @@ pub mod spindle;
 pub mod surfaces;
 pub mod terms;
 
+mod rigid_spindle;
 pub mod rotor_bearings;
 pub mod rotor_scene;
 pub mod shaft;
 mod shaft_loads;
 pub mod supports;
+
+pub mod single_bearing;
 
 pub mod presets;
 

@@ -24,6 +24,10 @@ use raceway_core::physics::operation::{InitialPerturbation, Operation, SpeedProf
 pub struct OperationInput {
     /// Speed of the inner ring.
     pub speed_rpm: SpeedInput,
+    /// Speed of the outer ring about its axis, positive in the direction of `speed_rpm`. Default 0: it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer_speed_rpm: Option<SpeedInput>,
     /// Radial load on the spindle along +Y, the direction of gravity [N]. Default 0.
     #[schema(nullable = false, example = 200.0)]
     pub radial_load_y_n: Option<f64>,
@@ -108,21 +112,30 @@ impl OperationInput {
             MRAD.to_si(take("misalignment_mrad/y", &mut tilt.y)),
             MRAD.to_si(take("misalignment_mrad/z", &mut tilt.z)),
         ];
-        let speed = self.speed_rpm.resolve(defaults).unwrap_or_else(SpeedProfile::at_rest);
+        let speed = self.speed_rpm.resolve(SPEED, defaults).unwrap_or_else(SpeedProfile::at_rest);
+        let outer_speed = outer_speed(self.outer_speed_rpm.as_ref(), defaults);
         let perturbation = self.initial_perturbation.as_mut().map(|given| {
             let pointer = "/scene/operation/initial_perturbation/seed";
             let seed = defaults.fill(pointer, &mut given.seed, 0);
             InitialPerturbation { speed: MM_S.to_si(given.speed_mm_s), seed: u64::from(seed) }
         });
         let loads = loads::resolve(&mut self.loads, defaults);
-        Operation { speed, load, loads, misalignment, perturbation }
+        Operation { speed, outer_speed, load, loads, misalignment, perturbation }
     }
 }
 
+/// Pointers to the speeds of the rings.
+pub(super) const SPEED: &str = "/scene/operation/speed_rpm";
+const OUTER_SPEED: &str = "/scene/operation/outer_speed_rpm";
+
+/// The speed of the outer ring; at rest without one, and after an error.
+pub(super) fn outer_speed(input: Option<&SpeedInput>, defaults: &mut Defaults) -> SpeedProfile {
+    input.and_then(|input| input.resolve(OUTER_SPEED, defaults)).unwrap_or_else(SpeedProfile::at_rest)
+}
+
 impl SpeedInput {
-    /// The speed profile of `physics`; `None` after an error.
-    pub fn resolve(&self, defaults: &mut Defaults) -> Option<SpeedProfile> {
-        const POINTER: &str = "/scene/operation/speed_rpm";
+    /// The speed profile of `physics`; `None` after an error. `at`: pointer to the field.
+    pub fn resolve(&self, at: &str, defaults: &mut Defaults) -> Option<SpeedProfile> {
         let points: Vec<_> = match self {
             Self::Constant(rpm) => vec![(0.0, RPM.to_si(*rpm))],
             Self::Profile(points) => points.iter().map(|point| (point.at_s, RPM.to_si(point.rpm))).collect(),
@@ -134,7 +147,7 @@ impl SpeedInput {
                 for fault in SpeedProfile::new(vec![*point]).err().iter().flatten() {
                     let FieldError { pointer, detail } = parameters::field_error(fault);
                     let name = if pointer.ends_with("/at_s") { "at_s" } else { "rpm" };
-                    defaults.refuse(format!("{POINTER}/{index}/{name}"), detail);
+                    defaults.refuse(format!("{at}/{index}/{name}"), detail);
                 }
             }
         }
@@ -145,7 +158,8 @@ impl SpeedInput {
             Ok(profile) => return Some(profile),
             Err(faults) => faults,
         };
-        defaults.errors.extend(faults.iter().map(parameters::field_error));
+        let moved = |error: FieldError| FieldError { pointer: error.pointer.replacen(SPEED, at, 1), ..error };
+        defaults.errors.extend(faults.iter().map(parameters::field_error).map(moved));
         None
     }
 }

@@ -149,7 +149,7 @@ pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, leng
         if known.iter().any(|other| other.name == bearing.name) {
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another bearing", bearing.name));
         }
-        check_place(defaults, &at, bearing.at_mm, length_mm);
+        check_place(defaults, (&at, "at_mm"), bearing.at_mm, length_mm);
         let Some(one) = bearing.resolve(defaults, &at) else { continue };
         let (place, width) = (one.rotor.at, one.scene.scene.bearing.parameters.width);
         let overlaps = |(other, of): &(f64, f64)| (other - place).abs() < 0.5 * (of + width) * (1.0 - 1e-9);
@@ -183,6 +183,7 @@ impl RotorBearingInput {
             bearing: self.bearing.clone(),
             operation: OperationInput {
                 speed_rpm: SpeedInput::Constant(0.0),
+                outer_speed_rpm: None,
                 radial_load_y_n: None,
                 radial_load_z_n: None,
                 axial_load_n: None,

@@ -1,18 +1,19 @@
-//! The scene of a rotor job: a shaft on its supports.
+//! The scene of a rotor or machine job: a shaft or a rigid spindle on its supports and bearings.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::loads::LoadInput;
-use super::operation::SpeedInput;
+use super::loads::{LoadInput, LoadedBody};
+use super::operation::{SPEED, SpeedInput, outer_speed};
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
 use super::scene_input::ResolvedScene;
 use super::shaft::{ElementsName, ShaftInput, check_place};
-use super::shaft_loads;
+use super::shaft_loads::{self, held_along_x};
+use super::spindle::SpindleInput;
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
-use crate::contract::json::shapes::{object, optional_list};
+use crate::contract::json::shapes::{object, optional_list, optional_object};
 use crate::contract::json::units::MM;
 use raceway_core::machine::input::Sensor;
 use raceway_core::physics::defaults::GRAVITY;
@@ -22,13 +23,19 @@ use raceway_core::physics::operation::SpeedProfile;
 use raceway_core::rotor::input::{Elements, Rotor};
 use raceway_core::simulation::input::channel::Axis;
 
-/// A shaft on its supports.
+/// A shaft, or a rigid spindle, on its supports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotorSceneInput {
-    /// The shaft with its discs and unbalance.
-    #[serde(deserialize_with = "object")]
-    pub shaft: ShaftInput,
+    /// The shaft with its discs and unbalance. Without it the `spindle` is rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub shaft: Option<ShaftInput>,
+    /// A rigid spindle in place of `shaft`; several bearings hold it also against tilt. Its default mass is the sum of those of its bearings. Loads,
+    /// unbalance and weight act at its mass centre.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub spindle: Option<SpindleInput>,
     /// Linear supports, in place of ball bearings or beside them.
     #[serde(default, deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
@@ -82,6 +89,11 @@ pub enum DirectionName {
 pub struct RotorOperationInput {
     /// Speed, at least 0. A `rotor` job takes the highest of a profile as its operating speed; a `machine` job starts with the first.
     pub speed_rpm: SpeedInput,
+    /// Speed of every outer ring about its axis, positive in the direction of `speed_rpm`. Default 0: they stand. A `rotor` job takes the speeds
+    /// at which inner and outer rings turn fastest relative to each other, and the outer one at every shaft speed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub outer_speed_rpm: Option<SpeedInput>,
     /// Load on the mass centre of shaft and discs along +Y, the direction of gravity [N]. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub radial_load_y_n: Option<f64>,
@@ -98,6 +110,9 @@ pub struct RotorOperationInput {
 }
 
 const MAX_SENSORS: usize = 16;
+/// Length of a rigid spindle with one place, and the longest [mm].
+const SHORTEST_SPINDLE_MM: f64 = 1.0;
+const LONGEST_SPINDLE_MM: f64 = 20_000.0;
 /// Fields of the system around a bearing that no analysis takes yet.
 const NOT_YET: [&str; 4] = ["housing", "thermal", "fits", "terms"];
 /// Fields that each bearing has of its own.
@@ -120,7 +135,7 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
     if scene.remove("bearing").is_some() {
         defaults.refuse("/scene/bearing", "give `bearings`, a list of which each item has its place `at_mm`");
     }
-    if scene.remove("spindle").is_some() {
+    if scene.contains_key("shaft") && scene.remove("spindle").is_some() {
         defaults
             .refuse("/scene/spindle", "`shaft` takes its place: give its mass and unbalance as discs and unbalances");
     }
@@ -131,6 +146,7 @@ pub struct ResolvedRotor {
     /// Its speed is the first of `speed`.
     pub rotor: Rotor,
     pub speed: SpeedProfile,
+    pub outer_speed: SpeedProfile,
     pub elements: Elements,
     /// The bearings of the rotor alone, in its order.
     pub scenes: Vec<ResolvedScene>,
@@ -143,6 +159,7 @@ impl RotorSceneInput {
         const OPERATION: &str = "/scene/operation";
         let operation = &mut self.operation;
         let speed = shaft_speed(&operation.speed_rpm, defaults);
+        let outer_speed = outer_speed(operation.outer_speed_rpm.as_ref(), defaults);
         let mut load = |name: &str, field: &mut Option<f64>| {
             let pointer = format!("{OPERATION}/{name}");
             let value = defaults.fill(pointer.clone(), field, 0.0);
@@ -156,8 +173,8 @@ impl RotorSceneInput {
         ];
         let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
         defaults.check_of_rotor("/scene/gravity_m_s2", gravity);
-        let length_mm: f64 = self.shaft.sections.iter().map(|section| section.length_mm).sum();
-        let (shaft, unbalances) = self.shaft.resolve(defaults, load[0]);
+        let length_mm = self.length_mm();
+        let shaft = self.shaft.as_mut().map(|shaft| shaft.resolve(defaults, load[0]));
         let supports = self.supports.as_mut().map(|supports| supports::resolve(supports, defaults, length_mm));
         if self.bearings.as_ref().is_some_and(Vec::is_empty) {
             defaults.refuse("/scene/bearings", "0 items: must be from 1 to 8");
@@ -165,20 +182,32 @@ impl RotorSceneInput {
         let bearings = self.bearings.as_mut().map(|bearings| rotor_bearings::resolve(bearings, defaults, length_mm));
         let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
         let inputs = self.bearings.as_deref().unwrap_or_default();
-        if inputs.is_empty() && self.supports.as_ref().is_none_or(Vec::is_empty) {
+        if self.shaft.is_none() && inputs.is_empty() {
+            defaults.refuse("/scene/shaft", "required, or `bearings` on a rigid spindle");
+        } else if inputs.is_empty() && self.supports.as_ref().is_none_or(Vec::is_empty) {
             defaults.refuse("/scene/bearings", "required, or `supports`: the shaft needs at least one of both");
         }
         if bearings.len() == inputs.len() {
             let preloads = self.preloads.as_deref().unwrap_or_default();
             rotor_bearings::preload(preloads, inputs, &mut bearings, defaults);
         }
-        let elements = self.shaft.elements.unwrap_or(ElementsName::Auto).into();
-        let loads = shaft_loads::resolve(&mut self.operation.loads, (&shaft, length_mm), speed.largest(), defaults);
+        let body = if shaft.is_some() { LoadedBody::Shaft } else { LoadedBody::Spindle };
+        let (shaft, unbalances) = shaft.unwrap_or_else(|| {
+            let acting = (length_mm, load[0], speed.largest());
+            self.spindle.get_or_insert_default().resolve_on(&bearings, acting, defaults)
+        });
+        let elements = match &self.shaft {
+            Some(shaft) => shaft.elements.unwrap_or(ElementsName::Auto).into(),
+            None => Elements::Sections,
+        };
+        let on = (body, &shaft, length_mm);
+        let loads = shaft_loads::resolve(&mut self.operation.loads, on, speed.largest(), defaults);
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
-        let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, length_mm, &shaft);
+        let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, on);
         ResolvedRotor {
             rotor: Rotor { shaft, unbalances, supports, bearings, speed: speed.at(0.0).1, gravity, load, loads },
             speed,
+            outer_speed,
             elements,
             scenes,
             sensors,
@@ -186,26 +215,45 @@ impl RotorSceneInput {
     }
 }
 
+impl RotorSceneInput {
+    /// Length of the shaft [mm]; of a rigid spindle up to the farthest place on it.
+    fn length_mm(&self) -> f64 {
+        if let Some(shaft) = &self.shaft {
+            return shaft.sections.iter().map(|section| section.length_mm).sum();
+        }
+        let bearings = self.bearings.iter().flatten().map(|bearing| bearing.at_mm);
+        let supports = self.supports.iter().flatten().map(|support| support.at_mm);
+        let sensors = self.sensors.iter().flatten().map(|sensor| sensor.at_mm);
+        let loads = self.operation.loads.iter().flatten().filter_map(|load| load.at_mm);
+        let centre = self.spindle.iter().filter_map(|spindle| spindle.centre_mm);
+        let places = bearings.chain(supports).chain(sensors).chain(loads).chain(centre);
+        places.fold(SHORTEST_SPINDLE_MM, f64::max).min(LONGEST_SPINDLE_MM)
+    }
+}
+
 /// The speed in SI; at rest after an error.
 fn shaft_speed(input: &SpeedInput, defaults: &mut Defaults) -> SpeedProfile {
-    const POINTER: &str = "/scene/operation/speed_rpm";
     let known_errors = defaults.errors.len();
     match input {
         SpeedInput::Constant(speed) => {
-            defaults.check_of_rotor(POINTER, *speed);
+            defaults.check_of_rotor(SPEED, *speed);
         }
         SpeedInput::Profile(points) => {
             for (index, point) in points.iter().enumerate().take(MOST_POINTS) {
-                defaults.check_of_rotor(&format!("{POINTER}/{index}/rpm"), point.rpm);
+                defaults.check_of_rotor(&format!("{SPEED}/{index}/rpm"), point.rpm);
             }
         }
     }
-    let profile = if defaults.errors.len() == known_errors { input.resolve(defaults) } else { None };
+    let profile = if defaults.errors.len() == known_errors { input.resolve(SPEED, defaults) } else { None };
     profile.unwrap_or_else(SpeedProfile::at_rest)
 }
 
 /// The sensors in SI. Errors are noted in `defaults`.
-fn sensors(inputs: &[SensorInput], defaults: &mut Defaults, length_mm: f64, shaft: &Shaft) -> Vec<Sensor> {
+fn sensors(
+    inputs: &[SensorInput],
+    defaults: &mut Defaults,
+    (body, shaft, length_mm): (LoadedBody, &Shaft, f64),
+) -> Vec<Sensor> {
     const POINTER: &str = "/scene/sensors";
     if inputs.len() > MAX_SENSORS {
         defaults.refuse(POINTER, format!("{} sensors: at most {MAX_SENSORS}", inputs.len()));
@@ -217,14 +265,14 @@ fn sensors(inputs: &[SensorInput], defaults: &mut Defaults, length_mm: f64, shaf
         if inputs[..index].iter().any(|other| other.name == sensor.name) {
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another sensor", sensor.name));
         }
-        check_place(defaults, &at, sensor.at_mm, length_mm);
+        check_place(defaults, (&at, "at_mm"), sensor.at_mm, length_mm);
         let axis = match sensor.direction {
             DirectionName::X => Axis::X,
             DirectionName::Y => Axis::Y,
             DirectionName::Z => Axis::Z,
         };
         if axis == Axis::X && !shaft.is_axially_free {
-            defaults.refuse(format!("{at}/direction"), "the shaft does not move along X: give `shaft.axial` as `free`");
+            defaults.refuse(format!("{at}/direction"), held_along_x(body));
         }
         sensors.push(Sensor { name: sensor.name.clone(), at: MM.to_si(sensor.at_mm), axis });
     }

@@ -102,6 +102,10 @@ impl SceneInput {
         let cage = own.cage.get_or_insert_default();
         let pocket_deviations = cage.pocket_deviations(defaults);
         let cage = cage.resolve(defaults, &base_cage, materials.cage, lubricant.kind, damping.pocket);
+        if self.spindle.as_ref().is_some_and(|spindle| spindle.centre_mm.is_some()) {
+            defaults
+                .refuse("/scene/spindle/centre_mm", "a bearing alone stands at the mass centre: goes with `bearings`");
+        }
         let spindle =
             self.spindle.get_or_insert_default().resolve(defaults, base.spindle_mass_kg, operation.acts_along_x());
         self.bearing = NameOr::Object(own);

@@ -10,7 +10,7 @@ use crate::contract::json::shapes::{NameOr, list, optional_list};
 use crate::contract::json::units::{DEG, G_MM, MM};
 use raceway_core::physics::frame::beam::Tube;
 use raceway_core::physics::frame::disc::{Disc, UnbalancePlane};
-use raceway_core::physics::frame::shaft::{Section, Shaft};
+use raceway_core::physics::frame::shaft::{Section, Shaft, ShaftMotion};
 use raceway_core::rotor::input::Elements;
 
 const POINTER: &str = "/scene/shaft";
@@ -152,6 +152,7 @@ impl ShaftInput {
             damping_ratio: damping,
             rotating_share: share,
             is_axially_free: axial == ShaftAxial::Free,
+            motion: ShaftMotion::Bends,
         };
         (shaft, unbalances)
     }
@@ -205,7 +206,7 @@ impl ShaftInput {
         let mut resolved = Vec::with_capacity(discs.len());
         for (index, disc) in discs.iter_mut().enumerate() {
             let at = format!("{POINTER}/discs/{index}");
-            check_place(defaults, &at, disc.at_mm, length_mm);
+            check_place(defaults, (&at, "at_mm"), disc.at_mm, length_mm);
             let mut inertia = |name: &str, field: &mut Option<f64>| defaults.fill(format!("{at}/{name}"), field, 0.0);
             let transverse_inertia = inertia("transverse_inertia_kg_m2", &mut disc.transverse_inertia_kg_m2);
             let axial_inertia = inertia("axial_inertia_kg_m2", &mut disc.axial_inertia_kg_m2);
@@ -238,7 +239,7 @@ impl ShaftInput {
         let mut resolved = Vec::with_capacity(planes.len());
         for (index, plane) in planes.iter_mut().enumerate() {
             let at = format!("{POINTER}/unbalances/{index}");
-            check_place(defaults, &at, plane.at_mm, length_mm);
+            check_place(defaults, (&at, "at_mm"), plane.at_mm, length_mm);
             let phase = defaults.fill(format!("{at}/phase_deg"), &mut plane.phase_deg, 0.0);
             defaults.check_of_rotor(&format!("{at}/phase_deg"), phase);
             defaults.check_of_rotor(&format!("{at}/unbalance_g_mm"), plane.unbalance_g_mm);
@@ -252,11 +253,11 @@ impl ShaftInput {
     }
 }
 
-/// Refuses a place beyond the ends of the shaft; `at`: pointer to the object that has it.
-pub(super) fn check_place(defaults: &mut Defaults, at: &str, at_mm: f64, length_mm: f64) {
+/// Refuses a place beyond the ends of the shaft; `at`: pointer to the object that has it, and its field.
+pub(super) fn check_place(defaults: &mut Defaults, (at, field): (&str, &str), at_mm: f64, length_mm: f64) {
     // A sum of lengths is not exact.
     if !(0.0..=length_mm * (1.0 + 1e-12)).contains(&at_mm) {
         let detail = format!("{} mm: must be from 0 to {} mm, the length of the shaft", short(at_mm), short(length_mm));
-        defaults.refuse(format!("{at}/at_mm"), detail);
+        defaults.refuse(format!("{at}/{field}"), detail);
     }
 }

@@ -15,6 +15,10 @@ pub struct SpindleInput {
     /// Mass [kg]. Default: that of the bearing's preset, else of a solid steel shaft with the diameter of the bore and 7 times its length.
     #[schema(nullable = false, example = 0.05)]
     pub mass_kg: Option<f64>,
+    /// Place of the mass centre along X [mm], of a spindle on several bearings. Default: the middle between the first and the last of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 150.0)]
+    pub centre_mm: Option<f64>,
     /// Mass times eccentricity [g·mm]. Either this or `balance_grade`. Default 0.
     #[schema(nullable = false)]
     pub unbalance_g_mm: Option<f64>,

@@ -73,7 +73,7 @@ pub fn resolve(supports: &mut [SupportInput], defaults: &mut Defaults, length_mm
 
 impl SupportInput {
     fn resolve(&mut self, defaults: &mut Defaults, at: &str, length_mm: f64) -> Support {
-        check_place(defaults, at, self.at_mm, length_mm);
+        check_place(defaults, (at, "at_mm"), self.at_mm, length_mm);
         if self.on.is_some() {
             defaults.refuse(format!("{at}/on"), "not supported yet: every support stands on the ground");
         }

@@ -5,6 +5,7 @@ mod refused;
 mod results;
 mod schema;
 mod several_errors;
+mod spindles;
 mod study;
 mod surface_messages;
 mod surfaces;

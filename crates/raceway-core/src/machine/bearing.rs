@@ -57,6 +57,7 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
         let [x, y, z, _, _] = frame.system.operating[0].rings[index].wrench;
         let mut scene = moving.scene.clone();
         scene.operation.speed = machine.speed.clone();
+        scene.operation.outer_speed = machine.outer_speed.clone();
         // The shaft presses with the opposite of what the balls exert, and with all that may be added to it.
         scene.operation.load = std::array::from_fn(|axis| {
             let load = -[x, y, z][axis];

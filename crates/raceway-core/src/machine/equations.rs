@@ -17,6 +17,7 @@ pub struct MachineDynamics {
     pub frame: Frame,
     pub bearings: Vec<BearingOnShaft>,
     pub speed: SpeedProfile,
+    pub outer_speed: SpeedProfile,
 }
 
 /// Loads of all bearings at one time.
@@ -30,7 +31,8 @@ impl MachineDynamics {
     pub fn new(machine: &Machine, range: f64, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
         let frame = Frame::of(machine, range, stop)?;
         let bearings = bearings(machine, &frame)?;
-        Ok(Self { frame, bearings, speed: machine.speed.clone() })
+        let (speed, outer_speed) = (machine.speed.clone(), machine.outer_speed.clone());
+        Ok(Self { frame, bearings, speed, outer_speed })
     }
 
     /// Places and velocities of the shaft's coordinates in a state.
@@ -88,9 +90,10 @@ impl MachineDynamics {
         Loads { rings }
     }
 
-    /// Times after 0 at which a load or the speed has a kink, rising [s].
+    /// Times after 0 at which a load or a speed has a kink, rising [s].
     pub fn kinks(&self) -> Vec<f64> {
-        rising(self.frame.kinks().chain(self.speed.kinks()).filter(|time| *time > 0.0).collect())
+        let of_speeds = self.speed.kinks().chain(self.outer_speed.kinks());
+        rising(self.frame.kinks().chain(of_speeds).filter(|time| *time > 0.0).collect())
     }
 
     /// Torque of the drive on the shaft that balances the bearings [N m].

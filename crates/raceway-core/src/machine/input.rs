@@ -16,6 +16,8 @@ pub struct Machine {
     /// Balls, cage, lubricant and surfaces of each bearing of the rotor, in their order.
     pub bearings: Vec<MachineBearing>,
     pub speed: SpeedProfile,
+    /// Speed of every outer ring.
+    pub outer_speed: SpeedProfile,
     pub sensors: Vec<Sensor>,
 }
 

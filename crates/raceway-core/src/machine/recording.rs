@@ -154,7 +154,7 @@ impl<'m> Recorder<'m> {
         let rings: Vec<Moved> = frame.ports.iter().map(at).collect();
         let sensors: Vec<Moved> = frame.sensors.iter().map(at).collect();
         let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };
-        let speed = dynamics.speed.at(stepper.time()).1;
+        let time = stepper.time();
         for (value, channel) in self.frame.iter_mut().zip(&self.channels) {
             *value = match *channel {
                 MachineChannel::Ring(bearing, axis, motion) => rings[bearing].of(motion)[axis as usize],
@@ -162,10 +162,10 @@ impl<'m> Recorder<'m> {
                 MachineChannel::Force(bearing, axis) => -stepper.wrench(bearing)[axis as usize],
                 MachineChannel::Moment(bearing, axis) => -stepper.wrench(bearing)[tilt(axis)],
                 MachineChannel::CageSpeed(bearing) => {
-                    cage_speed(dynamics, bearing, stepper.bearings()[bearing].state(), speed)
+                    cage_speed(dynamics, bearing, stepper.bearings()[bearing].state(), time)
                 }
                 MachineChannel::BallSpin(bearing) => {
-                    spin(dynamics, bearing, stepper.bearings()[bearing].state(), 0, speed)[0]
+                    spin(dynamics, bearing, stepper.bearings()[bearing].state(), 0, time)[0]
                 }
                 MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor] as usize],
             };
@@ -173,7 +173,7 @@ impl<'m> Recorder<'m> {
     }
 
     fn count(&mut self, stepper: &MachineStepper<'_>) {
-        let speed = self.dynamics.speed.at(stepper.time()).1;
+        let time = stepper.time();
         for (index, (record, of)) in self.bearings.iter_mut().zip(stepper.bearings()).enumerate() {
             let m = self.dynamics.bearings[index].dynamics.mechanism();
             let loads = PackedStepLoads(of.step_loads());
@@ -189,11 +189,11 @@ impl<'m> Recorder<'m> {
                         record.slip = record.slip.max(square.sqrt());
                     }
                 }
-                spin_sum += length(spin(self.dynamics, index, of.state(), ball, speed)) / m.layout.balls as f64;
+                spin_sum += length(spin(self.dynamics, index, of.state(), ball, time)) / m.layout.balls as f64;
             }
             record.steps += 1.0;
             record.cage_speed +=
-                (cage_speed(self.dynamics, index, of.state(), speed) - record.cage_speed) / record.steps;
+                (cage_speed(self.dynamics, index, of.state(), time) - record.cage_speed) / record.steps;
             record.ball_spin += (spin_sum - record.ball_spin) / record.steps;
         }
     }
@@ -245,20 +245,20 @@ impl Moved {
 }
 
 /// Speed of the cage; without a cage, mean orbit speed of the balls [rad/s].
-fn cage_speed(dynamics: &MachineDynamics, bearing: usize, state: &[f64], speed: f64) -> f64 {
+fn cage_speed(dynamics: &MachineDynamics, bearing: usize, state: &[f64], time: f64) -> f64 {
     let m = dynamics.bearings[bearing].dynamics.mechanism();
     let balls = m.layout.balls;
     let arc_velocity = match m.layout.cage {
         true => m.layout.cage(state).arc_velocity,
         false => (0..balls).map(|ball| m.layout.ball(state, ball).arc_velocity).sum::<f64>() / balls as f64,
     };
-    m.orbit_ratio * speed + arc_velocity / m.pitch_radius
+    m.orbit_speed(&m.rotations(time), arc_velocity)
 }
 
 /// Spin of a ball in the orbit frame [rad/s].
-fn spin(dynamics: &MachineDynamics, bearing: usize, state: &[f64], ball: usize, speed: f64) -> Vector {
+fn spin(dynamics: &MachineDynamics, bearing: usize, state: &[f64], ball: usize, time: f64) -> Vector {
     let m = dynamics.bearings[bearing].dynamics.mechanism();
     let state = m.layout.ball(state, ball);
-    let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
+    let about_x = m.rotations(time).turn_speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
     [about_x, state.spin[1], state.spin[2]]
 }

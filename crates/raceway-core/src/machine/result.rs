@@ -8,13 +8,14 @@ use super::input::{Machine, MachineBearing};
 use super::recording::{BearingRecord, MachineRecording};
 use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
 use crate::numerics::statistics::mean;
-use crate::physics::kinematics::{CharacteristicFrequencies, ideal_orbit_ratio, with_cage_speed};
-use crate::physics::operation::SpeedProfile;
+use crate::physics::kinematics::{BodySpeeds, CharacteristicFrequencies, RingSpeeds, ideal_orbit_ratio};
+use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::input::settings::ENVELOPE_BAND;
 use crate::simulation::recording::bands::Band;
+use crate::simulation::recording::record::cage_slip;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
-use crate::simulation::result::lines::{Line, LineSources, find_lines};
+use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
 use crate::simulation::result::metrics::level_db;
 
 /// The result of a run, in the units of the channels.
@@ -133,26 +134,23 @@ fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
 }
 
 fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRecording) -> Vec<BearingMetrics> {
-    let shaft_speed = mean_speed(&dynamics.speed, recording);
-    let turns = |speed: f64| speed.abs() / TAU;
+    let rotation = RingRotation { inner: dynamics.speed.clone(), outer: dynamics.outer_speed.clone() };
+    let mean = |profile: &SpeedProfile| mean_speed(profile, recording);
+    let rings = RingSpeeds { inner: mean(&rotation.inner), outer: mean(&rotation.outer) };
     let of = |(bearing, record): (&MachineBearing, &BearingRecord)| {
         let geometry = &bearing.scene.bearing;
-        let ideal = shaft_speed.abs() * ideal_orbit_ratio(geometry);
+        let speeds = BodySpeeds::new(rings, record.cage_speed, record.ball_spin.abs());
         BearingMetrics {
             record: *record,
-            frequencies: with_cage_speed(
-                geometry,
-                turns(shaft_speed),
-                turns(record.cage_speed),
-                turns(record.ball_spin),
-            ),
-            cage_slip: (ideal > 0.0 && !dynamics.speed.reverses()).then(|| 1.0 - record.cage_speed.abs() / ideal),
+            frequencies: speeds.in_turns().frequencies(geometry),
+            cage_slip: cage_slip(speeds.relative_cage, speeds.relative, ideal_orbit_ratio(geometry))
+                .filter(|_| !rotation.reverses()),
         }
     };
     machine.bearings.iter().zip(&recording.bearings).map(of).collect()
 }
 
-/// Mean speed of the shaft over the recorded time [rad/s].
+/// Mean speed over the recorded time [rad/s].
 fn mean_speed(speed: &SpeedProfile, recording: &MachineRecording) -> f64 {
     let (start, duration) = (recording.start, recording.signals[0].1.len() as f64 / RATE);
     match speed.is_constant() {
@@ -169,7 +167,7 @@ fn in_unit(channel: MachineChannel, values: &[f64]) -> Vec<f64> {
 fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings: &[BearingMetrics]) -> SignalSpectra {
     let scaled = in_unit(channel, values);
     let (amplitude, envelope) = amplitude_and_envelope(&scaled, RATE, ENVELOPE_BAND, EnvelopeKind::Magnitude);
-    let is_constant = machine.speed.is_constant();
+    let is_constant = machine.speed.is_constant() && machine.outer_speed.is_constant();
     let lines = |spectrum: &Spectrum| if is_constant { labelled(spectrum, machine, bearings) } else { Vec::new() };
     SignalSpectra { channel, lines: lines(&amplitude), envelope_lines: lines(&envelope), amplitude, envelope }
 }
@@ -187,6 +185,10 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
             spindle_whirl: 0.0,
             uneven_inner: !surfaces.raceway.inner.is_ideal(),
             inner_orders: &surfaces.raceway.inner.given_orders(),
+            outer_ring: match machine.outer_speed.largest() == 0.0 {
+                true => OuterRing::Stands,
+                false => OuterRing::Turns { is_uneven: !surfaces.raceway.outer.is_ideal() },
+            },
             uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
             odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
             unequal_balls: bearing.scene.has_unequal_balls(),

@@ -126,13 +126,13 @@ impl Run<'_> {
     }
 }
 
-/// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times [s]. The run starts near its
+/// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times against their outer rings [s]. The run starts near its
 /// stationary motion already.
 fn settling_time(dynamics: &MachineDynamics) -> f64 {
     let rate = dynamics.frame.system.growth_rate(dynamics.speed.at(0.0).1).unwrap_or_default();
     let turning = dynamics.bearings.iter().map(|bearing| {
         let m = bearing.dynamics.mechanism();
-        let turn = m.orbit_ratio * m.speed.largest() / TAU;
+        let turn = m.orbit_ratio * m.rotation.operating().relative().abs() / TAU;
         if turn > 0.0 { SETTLE_CAGE_TURNS / turn } else { 0.0 }
     });
     let turning = turning.fold(0.0, f64::max).clamp(CAGE_SETTLE_RANGE_S[0], CAGE_SETTLE_RANGE_S[1]);

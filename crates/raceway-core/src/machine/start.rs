@@ -28,7 +28,7 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
             dynamics.ring(index, &place, &velocity);
         let force = frame.system.operating[0].rings[index].largest_loads.iter().copied().fold(0.0, f64::max);
         let mechanism = bearing.dynamics.mechanism();
-        let rest = on_ring(mechanism, speed, [x, y, z, about_y, about_z], force)
+        let rest = on_ring(mechanism, mechanism.rotation.speeds(0.0), [x, y, z, about_y, about_z], force)
             .map_err(|source| MachineError::Bearing { bearing: index, source })?;
         let mut part = vec![0.0; mechanism.layout.dimension()];
         for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {

@@ -19,7 +19,7 @@ use crate::physics::contact::damping::DampingLaw;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
-use crate::physics::frame::shaft::{Section, Shaft};
+use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion, SpindleBody};
 use crate::physics::frames::dot;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::presets;
@@ -39,6 +39,7 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
 
 mod loads;
+mod power;
 
 const RPM: f64 = PI / 30.0;
 
@@ -64,6 +65,7 @@ fn motor_spindle() -> Machine {
                 damping_ratio: 0.005,
                 rotating_share: 0.0,
                 is_axially_free: true,
+                motion: ShaftMotion::Bends,
             },
             unbalances: vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.3 }],
             supports: Vec::new(),
@@ -77,6 +79,7 @@ fn motor_spindle() -> Machine {
             .map(|(name, start_azimuth)| MachineBearing { name: name.to_owned(), scene: scene.clone(), start_azimuth })
             .to_vec(),
         speed: SpeedProfile::constant(6000.0 * RPM).unwrap(),
+        outer_speed: SpeedProfile::at_rest(),
         sensors: Vec::new(),
     }
 }
@@ -94,7 +97,7 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
     let of_part = |(index, part): (usize, &[f64])| {
         let m = dynamics.bearings[index].dynamics.mechanism();
         let mut loads = Energies { mechanism: m, elastic: 0.0 };
-        let (speed, ring) = (m.speed.at(0.0).1, dynamics.ring(index, place, velocity));
+        let (speed, ring) = (m.rotation.inner.at(0.0).1, dynamics.ring(index, place, velocity));
         dynamics.bearings[index].dynamics.rates_on_ring(time, part, ring, &mut vec![0.0; part.len()], Some(&mut loads));
         let mut sum = loads.elastic;
         for index in 0..m.layout.balls {
@@ -223,6 +226,48 @@ fn slow_vibration_is_that_of_the_linear_analysis() {
         let mean = places.iter().filter_map(nearest).sum::<f64>() / 8.0;
         assert!(frequency > 100.0 && (mean / frequency - 1.0).abs() < 1e-3, "{frequency} Hz: {mean}");
     }
+}
+
+/// The mass of the motor spindle as a rigid body.
+fn rigid(mut machine: Machine, tilts: bool) -> Machine {
+    let shaft = &machine.rotor.shaft;
+    let centre = shaft.mass_centre();
+    let bar = shaft.mass() - 1.2;
+    // A bar of 300 mm, and the disc in its middle.
+    let transverse = bar * (0.3_f64.powi(2) / 12.0 + 0.025_f64.powi(2) / 16.0) + 8e-4;
+    let inertia = SpindleInertia { transverse, axial: bar * 0.025_f64.powi(2) / 8.0 + 1.5e-3 };
+    let motion = if tilts { ShaftMotion::Rigid } else { ShaftMotion::Upright };
+    let body = SpindleBody { mass: shaft.mass(), centre, inertia };
+    machine.rotor.shaft = Shaft::rigid(body, (0.3, 0.025), motion, true);
+    machine
+}
+
+/// A shaft a million times as stiff moves as a rigid spindle, to 1e-4: linear frequencies, and the motion after 2 ms. Upright, it has three
+/// coordinates, and its bearings feel no tilt.
+#[test]
+fn a_stiff_shaft_moves_as_a_rigid_spindle() {
+    let machine = motor_spindle();
+    let mut stiff = machine.clone();
+    stiff.rotor.shaft.damping_ratio = 0.0;
+    stiff.rotor.shaft.material.elastic_modulus *= 1e6;
+    // The bearings keep their contacts: they have a material of their own.
+    let rigid_spindle = rigid(machine.clone(), true);
+    let request = Request { elements: Elements::Sections, speeds: vec![6000.0 * RPM], modes: 5 };
+    let [one, other] = [&stiff, &rigid_spindle].map(|machine| analyse(&machine.rotor, &request, &|| false).unwrap());
+    assert_eq!((one.operating_modes.len(), other.operating_modes.len()), (5, 5));
+    for (a, b) in one.operating_modes.iter().zip(&other.operating_modes) {
+        assert!((a.point.frequency / b.point.frequency - 1.0).abs() < 1e-4, "{:?} {:?}", a.point, b.point);
+    }
+    let [a, b] = [&stiff, &rigid_spindle].map(|machine| after(machine, 2e-3, 1e-6));
+    for (one, other) in a.iter().zip(&b) {
+        let size = one[..3].iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+        for axis in 0..3 {
+            assert!((one[axis] - other[axis]).abs() < 1e-4 * size, "{a:?}, {b:?}");
+        }
+    }
+    let (upright, state) = started(&rigid(machine, false));
+    assert_eq!(upright.frame.len(), 3);
+    assert!(upright.ring(0, upright.coordinates(&state).0, upright.coordinates(&state).1).tilt == [0.0; 2]);
 }
 
 /// The motion of the shaft at each bearing after a time, in steps of a length.

@@ -1,15 +1,58 @@
-//! Characteristic frequencies of a bearing whose inner raceway turns and whose outer one stands.
+//! Speeds of the rings, and the characteristic frequencies that follow from them.
+//!
+//! Rolling knows only the speed of the inner ring relative to the outer one. Balls orbit with the outer ring and, relative to it, with a
+//! share of that speed.
+
+use std::f64::consts::TAU;
 
 use super::bearing::{Bearing, PerRaceway};
+
+/// Speeds of both rings about the bearing axis, in one unit.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RingSpeeds {
+    pub inner: f64,
+    pub outer: f64,
+}
+
+/// The inner ring turns with the shaft, the outer ring stands.
+impl From<f64> for RingSpeeds {
+    fn from(shaft: f64) -> Self {
+        Self { inner: shaft, outer: 0.0 }
+    }
+}
+
+impl RingSpeeds {
+    /// Speed of the inner ring relative to the outer one.
+    #[inline(always)]
+    pub fn relative(self) -> f64 {
+        self.inner - self.outer
+    }
+
+    /// Speed of a body that turns with the outer ring and, relative to it, with this ratio of the relative speed.
+    #[inline(always)]
+    pub fn carried(self, ratio: f64) -> f64 {
+        self.outer + ratio * self.relative()
+    }
+
+    /// The same rotation seen from the other side, if the inner ring turns backwards, or stands while the outer one does.
+    pub fn forward(self) -> Self {
+        let is_backward = if self.inner == 0.0 { self.outer < 0.0 } else { self.inner < 0.0 };
+        if is_backward { Self { inner: -self.inner, outer: -self.outer } } else { self }
+    }
+}
 
 /// Frequencies of a running bearing [Hz]. Signed quantities are given as magnitudes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CharacteristicFrequencies {
     /// f_r, turns of the spindle.
     pub shaft: f64,
+    /// f_o, turns of the outer ring.
+    pub outer_ring: f64,
     /// FTF, turns of the cage.
     pub cage: f64,
-    /// BPFO, balls passing a point of the outer raceway; also the varying-compliance line.
+    /// Balls passing a direction in space, such as that of the load: the varying-compliance line. It is BPFO where the outer ring stands.
+    pub ball_pass: f64,
+    /// BPFO, balls passing a point of the outer raceway.
     pub ball_pass_outer: f64,
     /// BPFI, balls passing a point of the inner raceway.
     pub ball_pass_inner: f64,
@@ -17,12 +60,12 @@ pub struct CharacteristicFrequencies {
     pub ball_spin: f64,
 }
 
-/// Ratio of the orbit speed of ideally rolling balls to the spindle speed, ½ (1 − γ) [-].
+/// Ratio of the orbit speed of ideally rolling balls to the speed of the inner ring, both relative to the outer ring, ½ (1 − γ) [-].
 pub fn ideal_orbit_ratio(bearing: &Bearing) -> f64 {
     0.5 * (1.0 - bearing.gamma())
 }
 
-/// Ratio of the ball spin in the orbit frame to the spindle speed for ideal rolling, −(D_m/2d)(1 − γ²) [-]. It is
+/// Ratio of the ball spin in the orbit frame to the relative speed of the rings for ideal rolling, −(D_m/2d)(1 − γ²) [-]. It is
 /// negative because a ball turns against the spindle. Without a contact angle that axis is X.
 pub(crate) fn ideal_spin_ratio(bearing: &Bearing) -> f64 {
     let p = &bearing.parameters;
@@ -30,21 +73,79 @@ pub(crate) fn ideal_spin_ratio(bearing: &Bearing) -> f64 {
     -0.5 * p.pitch_diameter / p.ball_diameter * (1.0 - gamma * gamma)
 }
 
-/// Frequencies of ideal rolling at a spindle speed [rad/s].
-pub fn ideal_frequencies(bearing: &Bearing, speed: f64) -> CharacteristicFrequencies {
-    let shaft = speed.abs() / std::f64::consts::TAU;
-    with_cage_speed(bearing, shaft, shaft * ideal_orbit_ratio(bearing), shaft * ideal_spin_ratio(bearing).abs())
+/// Frequencies of ideal rolling at speeds of the rings [rad/s].
+pub fn ideal_frequencies(bearing: &Bearing, speeds: impl Into<RingSpeeds>) -> CharacteristicFrequencies {
+    rolling_frequencies(bearing, speeds.into(), ideal_orbit_ratio(bearing), ideal_spin_ratio(bearing))
 }
 
-/// Frequencies [Hz] from shaft, cage and ball speeds as they are, slip included.
-pub(crate) fn with_cage_speed(bearing: &Bearing, shaft: f64, cage: f64, ball_spin: f64) -> CharacteristicFrequencies {
-    let balls = bearing.parameters.ball_count as f64;
-    CharacteristicFrequencies {
-        shaft,
-        cage,
-        ball_pass_outer: balls * cage,
-        ball_pass_inner: balls * (shaft - cage),
+/// Frequencies of rolling at speeds of the rings [rad/s], with ratios of orbit and spin to their relative speed.
+pub(crate) fn rolling_frequencies(
+    bearing: &Bearing,
+    speeds: RingSpeeds,
+    orbit_ratio: f64,
+    spin_ratio: f64,
+) -> CharacteristicFrequencies {
+    let turns = RingSpeeds { inner: speeds.inner / TAU, outer: speeds.outer / TAU };
+    let relative = turns.relative().abs();
+    let (relative_cage, ball_spin) = (relative * orbit_ratio, relative * spin_ratio.abs());
+    BodySpeeds {
+        shaft: turns.inner.abs(),
+        outer_ring: turns.outer.abs(),
+        cage: turns.carried(orbit_ratio).abs(),
+        relative,
+        relative_cage,
         ball_spin,
+    }
+    .frequencies(bearing)
+}
+
+/// Speeds of the bodies of a bearing in one unit, magnitudes.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BodySpeeds {
+    pub shaft: f64,
+    pub outer_ring: f64,
+    pub cage: f64,
+    /// Of the inner ring relative to the outer one.
+    pub relative: f64,
+    /// Of the cage relative to the outer ring.
+    pub relative_cage: f64,
+    /// Of a ball about its own axis in the orbit frame.
+    pub ball_spin: f64,
+}
+
+impl BodySpeeds {
+    /// Magnitudes of the speeds of rings and cage, and the spin of a ball.
+    pub(crate) fn new(rings: RingSpeeds, cage: f64, ball_spin: f64) -> Self {
+        Self {
+            shaft: rings.inner.abs(),
+            outer_ring: rings.outer.abs(),
+            cage: cage.abs(),
+            relative: rings.relative().abs(),
+            relative_cage: (cage - rings.outer).abs(),
+            ball_spin,
+        }
+    }
+
+    /// The same in turns a second, from rad/s.
+    pub(crate) fn in_turns(self) -> Self {
+        let Self { shaft, outer_ring, cage, relative, relative_cage, ball_spin } = self;
+        let [shaft, outer_ring, cage] = [shaft, outer_ring, cage].map(|speed| speed / TAU);
+        let [relative, relative_cage, ball_spin] = [relative, relative_cage, ball_spin].map(|speed| speed / TAU);
+        Self { shaft, outer_ring, cage, relative, relative_cage, ball_spin }
+    }
+
+    /// Frequencies from turns a second, slip included.
+    pub(crate) fn frequencies(&self, bearing: &Bearing) -> CharacteristicFrequencies {
+        let balls = bearing.parameters.ball_count as f64;
+        CharacteristicFrequencies {
+            shaft: self.shaft,
+            outer_ring: self.outer_ring,
+            cage: self.cage,
+            ball_pass: balls * self.cage,
+            ball_pass_outer: balls * self.relative_cage,
+            ball_pass_inner: balls * (self.relative - self.relative_cage),
+            ball_spin: self.ball_spin,
+        }
     }
 }
 
@@ -76,7 +177,7 @@ impl LoadedBall {
         (-(cosine - self.ball_radius / self.orbit_radius), sine)
     }
 
-    /// Ratio of the orbit speed to the spindle speed for rolling at both contact centres,
+    /// Ratio of the orbit speed to the speed of the inner ring, relative to the outer one, for rolling at both contact centres,
     /// 1/(1 + r_e cos(α_i − β)/(r_i cos(α_e − β))) with r_i = R − ½d cos α_i and r_e = R + ½d cos α_e [-]; `None` for a spin axis about
     /// which a ball cannot roll on both raceways.
     #[inline]
@@ -88,7 +189,7 @@ impl LoadedBall {
         (at_inner * at_outer > 0.0).then(|| at_inner / (at_inner + at_outer))
     }
 
-    /// Ratio of the ball's spin in the orbit frame to the spindle speed for rolling at both contact centres, a magnitude [-].
+    /// Ratio of the ball's spin in the orbit frame to the relative speed of the rings for rolling at both contact centres, a magnitude [-].
     pub(crate) fn spin_ratio(&self, spin: SpinAxis) -> Option<f64> {
         let outer = self.angle.outer;
         let radius = self.orbit_radius + self.ball_radius * outer.1;
@@ -122,6 +223,27 @@ mod tests {
         ] {
             assert!((value - expected).abs() < 0.051, "{value} against {expected}");
         }
+    }
+
+    /// 6205-like rolling by hand, γ of the article's bearing: counter-rotating rings with the cage at rest, and rings that turn together.
+    #[test]
+    fn a_turning_outer_ring_carries_the_cage() {
+        let bearing = article_bearing();
+        let (ratio, balls) = (ideal_orbit_ratio(&bearing), bearing.parameters.ball_count as f64);
+        let inner = 100.0 * TAU;
+        let standing = ideal_frequencies(&bearing, RingSpeeds { inner, outer: -inner * ratio / (1.0 - ratio) });
+        assert!(standing.cage < 1e-12 && standing.ball_pass < 1e-11);
+        assert!((standing.ball_pass_inner - balls * 100.0).abs() < 1e-10);
+        assert!((standing.ball_pass_outer - balls * standing.outer_ring).abs() < 1e-10);
+        let together = ideal_frequencies(&bearing, RingSpeeds { inner, outer: inner });
+        assert!((together.cage - 100.0).abs() < 1e-12 && together.ball_spin == 0.0);
+        assert!(together.ball_pass_outer == 0.0 && together.ball_pass_inner == 0.0);
+        // From a frame that turns with the inner ring the passages are the same, and the cage turns with the outer ring.
+        let (one, other) = (RingSpeeds::from(inner), RingSpeeds { inner: 0.0, outer: -inner });
+        let (one, other) = (ideal_frequencies(&bearing, one), ideal_frequencies(&bearing, other));
+        assert!((one.ball_pass_outer - other.ball_pass_outer).abs() < 1e-10);
+        assert!((one.ball_spin - other.ball_spin).abs() < 1e-10);
+        assert!((one.cage + other.cage - 100.0).abs() < 1e-10);
     }
 
     fn ball(inner: f64, outer: f64) -> LoadedBall {

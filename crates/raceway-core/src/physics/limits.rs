@@ -39,7 +39,7 @@ const fn above(parameter: &'static str, lowest: f64, highest: f64) -> Limits {
 
 /// Limits of existing bearings and of this program. Quantities that only have to be positive have a lowest value far
 /// below any real one, so that their reciprocal stays finite. Relations between values are checked in the constructors.
-const LIMITS: [Limits; 105] = [
+const LIMITS: [Limits; 107] = [
     within("bearing.ball_diameter", 1e-4, 0.5),
     within("bearing.pitch_diameter", 1e-4, 10.0),
     within("bearing.outer_diameter", 1e-4, 12.0),
@@ -77,6 +77,8 @@ const LIMITS: [Limits; 105] = [
     within("spindle.axial_inertia", 1e-12, 1e6),
     within("operation.speed", -MAX_SPEED, MAX_SPEED),
     within("operation.speed.at", 0.0, 1e6),
+    within("operation.outer_speed", -MAX_SPEED, MAX_SPEED),
+    within("operation.outer_speed.at", 0.0, 1e6),
     within("operation.axial_load", -1e7, 1e7),
     within("operation.radial_load_y", -1e7, 1e7),
     within("operation.radial_load_z", -1e7, 1e7),

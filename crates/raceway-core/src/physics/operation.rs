@@ -1,9 +1,10 @@
-//! Speed, loads and misalignment of the bearing.
+//! Speeds, loads and misalignment of the bearing.
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use super::frames::{Azimuth, Vector, scale};
+use super::kinematics::RingSpeeds;
 use super::limits::{Faults, InvalidParameter, MOST_POINTS, SHORTEST_RAMP};
 use super::loads::{
     Load, LoadDirection, MOST_LOADS, SpindleLoad, VaryingLoads, end_of_transients, start_and_largest_change,
@@ -87,6 +88,13 @@ impl SpeedProfile {
         (self.angles[next - 1] + (speed + 0.5 * slope * elapsed) * elapsed, speed + slope * elapsed, slope)
     }
 
+    /// The rotation at a time [s].
+    #[inline(always)]
+    pub fn turn(&self, time: f64) -> Turn {
+        let (angle, speed, acceleration) = self.at(time);
+        Turn { angle, speed, acceleration }
+    }
+
     /// Times after 0 at which the angular acceleration jumps [s].
     pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
         let several = self.points.len() > 1;
@@ -120,6 +128,84 @@ impl SpeedProfile {
     }
 }
 
+/// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²] of a rotation.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Turn {
+    pub angle: f64,
+    pub speed: f64,
+    pub acceleration: f64,
+}
+
+impl Turn {
+    /// Rotation of a body that turns with this one and, relative to it, with a ratio of the rotation of `other` relative to it.
+    #[inline(always)]
+    pub fn carried(self, ratio: f64, other: Self) -> Self {
+        Self {
+            angle: self.angle + ratio * (other.angle - self.angle),
+            speed: self.speed + ratio * (other.speed - self.speed),
+            acceleration: self.acceleration + ratio * (other.acceleration - self.acceleration),
+        }
+    }
+}
+
+/// Rotation of both rings over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingRotation {
+    /// Of the inner ring, which turns with the shaft.
+    pub inner: SpeedProfile,
+    pub outer: SpeedProfile,
+}
+
+impl RingRotation {
+    /// Rotations of inner and outer ring at a time [s].
+    #[inline(always)]
+    pub fn at(&self, time: f64) -> (Turn, Turn) {
+        (self.inner.turn(time), self.outer.turn(time))
+    }
+
+    /// Speeds at a time [s], in rad/s.
+    pub fn speeds(&self, time: f64) -> RingSpeeds {
+        RingSpeeds { inner: self.inner.at(time).1, outer: self.outer.at(time).1 }
+    }
+
+    pub fn is_constant(&self) -> bool {
+        self.inner.is_constant() && self.outer.is_constant()
+    }
+
+    /// True where the outer ring never turns.
+    pub fn outer_stands(&self) -> bool {
+        self.outer.largest() == 0.0
+    }
+
+    /// Times after 0 at which an angular acceleration jumps [s].
+    pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
+        self.inner.kinks().chain(self.outer.kinks())
+    }
+
+    /// Speeds at each point of both profiles [rad/s]. Between them all speeds are linear.
+    fn corners(&self) -> impl Iterator<Item = RingSpeeds> + '_ {
+        let of_inner = self.inner.points.iter().map(|&(at, inner)| RingSpeeds { inner, outer: self.outer.at(at).1 });
+        let of_outer = self.outer.points.iter().map(|&(at, outer)| RingSpeeds { inner: self.inner.at(at).1, outer });
+        of_inner.chain(of_outer)
+    }
+
+    /// Speeds at which the rings turn fastest relative to each other [rad/s]. A shaft that turns backwards is seen from its other side.
+    pub fn operating(&self) -> RingSpeeds {
+        let size = |speeds: &RingSpeeds| (speeds.relative().abs(), speeds.outer.abs());
+        let fastest = self.corners().fold(RingSpeeds::default(), |most, one| match size(&one) > size(&most) {
+            true => one,
+            false => most,
+        });
+        fastest.forward()
+    }
+
+    /// True if the relative speed has both signs, so that its mean says nothing about rolling.
+    pub fn reverses(&self) -> bool {
+        let has = |sign: f64| self.corners().any(|speeds| sign * speeds.relative() > 0.0);
+        has(1.0) && has(-1.0)
+    }
+}
+
 /// Initial velocities of balls and cage in random directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InitialPerturbation {
@@ -146,7 +232,10 @@ impl InitialPerturbation {
 /// Speed, loads, misalignment and initial perturbation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Operation {
+    /// Speed of the inner ring, with the spindle.
     pub speed: SpeedProfile,
+    /// Speed of the outer ring about its axis.
+    pub outer_speed: SpeedProfile,
     /// Constant load on the spindle along X, Y, Z [N].
     pub load: [f64; 3],
     /// Loads beside it.
@@ -204,9 +293,19 @@ impl Operation {
         VaryingLoads::of(&self.loads, self.speed.largest())
     }
 
-    /// True where neither speed nor loads change but periodically, so that a part of the time can stand for all of it.
+    /// Rotation of both rings.
+    pub fn rotation(&self) -> RingRotation {
+        RingRotation { inner: self.speed.clone(), outer: self.outer_speed.clone() }
+    }
+
+    /// True where no speed ever changes.
+    pub fn has_constant_speeds(&self) -> bool {
+        self.speed.is_constant() && self.outer_speed.is_constant()
+    }
+
+    /// True where neither speeds nor loads change but periodically, so that a part of the time can stand for all of it.
     pub fn is_steady(&self) -> bool {
-        self.speed.is_constant() && end_of_transients(&self.loads).is_none()
+        self.has_constant_speeds() && end_of_transients(&self.loads).is_none()
     }
 
     /// Time of the last change of loads that are neither constant nor periodic [s]; `None`: there are none.
@@ -244,6 +343,17 @@ mod tests {
         assert_eq!(ramp.at(2.0), (2.5, 5.0, 5.0));
         assert_eq!(ramp.at(4.0), (20.0, 10.0, 0.0));
         assert_eq!(ramp.kinks().collect::<Vec<_>>(), [1.0, 3.0]);
+    }
+
+    /// Rings that turn against each other turn fastest relative to each other at a point of either profile.
+    #[test]
+    fn operating_speeds_are_those_of_the_fastest_rolling() {
+        let ramp = |points: &[(f64, f64)]| SpeedProfile::new(points.to_vec()).unwrap();
+        let rotation = RingRotation { inner: ramp(&[(0.0, 5.0), (4.0, 9.0)]), outer: ramp(&[(1.0, -8.0), (2.0, 8.0)]) };
+        assert_eq!(rotation.operating(), RingSpeeds { inner: 6.0, outer: -8.0 });
+        assert!(rotation.reverses() && !rotation.is_constant() && !rotation.outer_stands());
+        let back = RingRotation { inner: ramp(&[(0.0, -3.0)]), outer: SpeedProfile::at_rest() };
+        assert_eq!(back.operating(), RingSpeeds { inner: 3.0, outer: 0.0 });
     }
 
     /// The mean of many velocities vanishes and each component has a third of the square: all directions are equally likely.

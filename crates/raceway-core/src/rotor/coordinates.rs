@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::input::{PlacedLoad, Rotor, RotorError};
 use crate::physics::frame::mesh::{Matrices, Mesh};
 use crate::physics::frame::modes::FreeModes;
+use crate::physics::frame::shaft::ShaftMotion;
 use crate::physics::frame::support::{PORT, PortMatrix};
 use crate::physics::loads::LoadDirection;
 
@@ -14,6 +15,7 @@ pub struct Coordinates {
     pub mesh: Mesh,
     axial: Option<FreeModes>,
     bending: FreeModes,
+    is_rigid: bool,
     /// Polar inertia over the shapes of a plane.
     pub polar: DMatrix<f64>,
 }
@@ -22,10 +24,20 @@ impl Coordinates {
     /// At most `count` flexible modes in each plane, and the static answers to supports, loads and gyroscopic moments.
     pub fn of(rotor: &Rotor, mesh: Mesh, count: usize) -> Result<Self, RotorError> {
         let Loads { axial: along, bending: mut across } = Loads::of(rotor, &mesh);
+        let is_rigid = rotor.shaft.motion != ShaftMotion::Bends;
         let axial = match rotor.shaft.is_axially_free {
+            true if is_rigid => Some(FreeModes::of(&mesh.axial, 0).ok_or(RotorError::Singular)?),
             true => Some(modes(&mesh.axial, count, |_| along)?),
             false => None,
         };
+        if is_rigid {
+            let mut bending = FreeModes::of(&mesh.bending, 0).ok_or(RotorError::Singular)?;
+            if rotor.shaft.motion == ShaftMotion::Upright {
+                bending = bending.of_translation();
+            }
+            let polar = bending.projected(&mesh.polar);
+            return Ok(Self { mesh, axial, bending, is_rigid, polar });
+        }
         let bending = modes(&mesh.bending, count, |modes| {
             // Gyroscopic moments of the lower half of the modes, rotation included.
             let turning = modes.shapes[1..].iter().take(count / 2);
@@ -33,7 +45,7 @@ impl Coordinates {
             across
         })?;
         let polar = bending.projected(&mesh.polar);
-        Ok(Self { mesh, axial, bending, polar })
+        Ok(Self { mesh, axial, bending, is_rigid, polar })
     }
 
     pub fn len(&self) -> usize {
@@ -56,9 +68,9 @@ impl Coordinates {
         axial.chain(&self.bending.squares).chain(&self.bending.squares).map(|square| square.max(0.0))
     }
 
-    /// Angular frequency of the highest true mode in a plane [rad/s]; infinite where every mode is kept.
+    /// Angular frequency of the highest true mode in a plane [rad/s]; infinite where every mode is kept, as of a rigid spindle.
     pub fn highest(&self) -> f64 {
-        let is_complete = self.bending.true_modes == 2 * self.mesh.nodes.len();
+        let is_complete = self.is_rigid || self.bending.true_modes == 2 * self.mesh.nodes.len();
         if is_complete { f64::INFINITY } else { self.bending.squares[self.bending.true_modes - 1].max(0.0).sqrt() }
     }
 

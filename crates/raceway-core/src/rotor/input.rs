@@ -6,6 +6,7 @@ use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::shaft::Shaft;
 use crate::physics::frame::support::{PORT, Support};
+use crate::physics::kinematics::RingSpeeds;
 use crate::physics::loads::{Load, SpindleLoad, start_and_largest_change};
 use crate::physics::statics::ring::NoBalance;
 use crate::physics::statics::shaft::Mounted;
@@ -65,6 +66,16 @@ impl Rotor {
         let held = self.supports.iter().map(|support| support.at).chain(self.bearings.iter().map(|bearing| bearing.at));
         let loaded = self.loads.iter().map(|load| load.at);
         rising(discs.chain(planes).chain(held).chain(loaded).collect())
+    }
+
+    /// The rotor with its shaft and the outer rings of its bearings at these speeds [rad/s].
+    pub fn at_speeds(mut self, speeds: RingSpeeds) -> Self {
+        self.speed = speeds.inner;
+        for bearing in &mut self.bearings {
+            let mounted = &mut bearing.mounted;
+            mounted.bearing = mounted.bearing.clone().with_outer_speed(speeds.outer);
+        }
+        self
     }
 
     /// Whether the supports' springs hold every rigid motion of the shaft. Bearings are left out.

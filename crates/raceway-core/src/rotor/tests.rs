@@ -8,7 +8,7 @@ use super::input::{Elements, Request, Rotor};
 use super::result::{Direction, RotorResult};
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
-use crate::physics::frame::shaft::{Section, Shaft};
+use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion};
 use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::material::Material;
 
@@ -24,7 +24,15 @@ fn sections(parts: &[(usize, f64, f64, f64)]) -> Vec<Section> {
 }
 
 fn shaft(sections: Vec<Section>, discs: Vec<Disc>) -> Shaft {
-    Shaft { material: STEEL, sections, discs, damping_ratio: 0.0, rotating_share: 0.0, is_axially_free: false }
+    Shaft {
+        material: STEEL,
+        sections,
+        discs,
+        damping_ratio: 0.0,
+        rotating_share: 0.0,
+        is_axially_free: false,
+        motion: ShaftMotion::Bends,
+    }
 }
 
 fn rotor(shaft: Shaft, supports: Vec<Support>) -> Rotor {

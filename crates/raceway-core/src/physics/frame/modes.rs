@@ -44,6 +44,14 @@ impl FreeModes {
         Some(Self { squares, shapes, true_modes })
     }
 
+    /// The first rigid motion alone, a translation.
+    pub(crate) fn of_translation(mut self) -> Self {
+        self.squares.truncate(1);
+        self.shapes.truncate(1);
+        self.true_modes = 1;
+        self
+    }
+
     /// Free modes with the residual vectors of these loads.
     pub(crate) fn with_residuals(mut self, chain: &Matrices, loads: &[Vec<f64>]) -> Option<Self> {
         let residuals = residual_vectors(chain, &shifted(chain)?, &self.shapes, loads);

@@ -1,8 +1,9 @@
-//! A flexible shaft: sections of constant diameter, discs and internal damping.
+//! A shaft: sections of constant diameter, discs and internal damping; or a rigid spindle.
 
 use super::beam::Tube;
 use super::disc::Disc;
-use crate::physics::material::Material;
+use crate::physics::material::{GCR15, Material};
+use crate::physics::spindle::SpindleInertia;
 
 /// A length of the shaft with constant section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,7 +13,18 @@ pub struct Section {
     pub tube: Tube,
 }
 
-/// A flexible shaft, from its end at 0 along +X.
+/// Motions that a shaft has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShaftMotion {
+    /// It bends and moves as a rigid body.
+    Bends,
+    /// It moves as a rigid body.
+    Rigid,
+    /// It moves as a rigid body that is held against tilt.
+    Upright,
+}
+
+/// A shaft, from its end at 0 along +X.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaft {
     pub material: Material,
@@ -25,9 +37,49 @@ pub struct Shaft {
     pub rotating_share: f64,
     /// True where the shaft may move and vibrate along X.
     pub is_axially_free: bool,
+    pub motion: ShaftMotion,
 }
 
+/// Mass of a rigid spindle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpindleBody {
+    /// [kg]
+    pub mass: f64,
+    /// Place of the mass centre [m].
+    pub centre: f64,
+    pub inertia: SpindleInertia,
+}
+
+/// Young's modulus of a rigid spindle over that of steel [-]. Only exported models see it: here a rigid spindle has no bending coordinates.
+const RIGID: f64 = 1e4;
+
 impl Shaft {
+    /// A rigid spindle of a length and a diameter [m], which are those of its outline: its mass stands at its centre.
+    pub fn rigid(
+        body: SpindleBody,
+        (length, diameter): (f64, f64),
+        motion: ShaftMotion,
+        is_axially_free: bool,
+    ) -> Self {
+        let SpindleBody { mass, centre, inertia } = body;
+        let outline = Tube { outer_diameter: diameter, inner_diameter: 0.0 };
+        let elastic_modulus = RIGID * GCR15.elastic_modulus;
+        Self {
+            material: Material { elastic_modulus, density: 0.0, ..GCR15 },
+            sections: vec![Section { length, tube: outline }],
+            discs: vec![Disc {
+                at: centre,
+                mass,
+                transverse_inertia: inertia.transverse,
+                axial_inertia: inertia.axial,
+            }],
+            damping_ratio: 0.0,
+            rotating_share: 0.0,
+            is_axially_free,
+            motion,
+        }
+    }
+
     /// [m]
     pub fn length(&self) -> f64 {
         self.sections.iter().map(|section| section.length).sum()

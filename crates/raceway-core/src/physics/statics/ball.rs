@@ -7,7 +7,7 @@ use crate::physics::bearing::{Bearing, SpindlePlay};
 use crate::physics::contact::damping::{DampingFactor, normal_slopes};
 use crate::physics::contact::hertz::{HertzContact, raceway_contacts};
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
-use crate::physics::kinematics;
+use crate::physics::kinematics::{self, RingSpeeds};
 
 /// Number of freedoms of a ring: x, y, z, β_y, β_z.
 pub(super) const FREEDOMS: usize = 5;
@@ -36,6 +36,8 @@ pub struct RingBearing {
     ball_radius: f64,
     pub(super) ball_mass: f64,
     orbit_ratio: f64,
+    /// Speed of the outer ring [rad/s].
+    outer_speed: f64,
     axial_play: f64,
     play: SpindlePlay,
 }
@@ -172,9 +174,15 @@ impl RingBearing {
             ball_radius: 0.5 * diameter,
             ball_mass: bearing.ball_mass,
             orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
+            outer_speed: 0.0,
             axial_play: bearing.groove_centre_distance * bearing.free_contact_angle.sin(),
             play: bearing.largest_displacement(),
         }
+    }
+
+    /// The bearing with an outer ring that turns at a speed [rad/s].
+    pub fn with_outer_speed(self, outer_speed: f64) -> Self {
+        Self { outer_speed, ..self }
     }
 
     /// Axial displacement of the centred inner ring at which a thrust first meets the balls, A sin α₀ [m].
@@ -209,7 +217,8 @@ impl RingBearing {
 
     /// Centrifugal force on a ball over the radius of its orbit [N/m], at a speed of the inner ring [rad/s].
     pub(super) fn centrifugal(&self, speed: f64) -> f64 {
-        self.ball_mass * (self.orbit_ratio * speed) * (self.orbit_ratio * speed)
+        let orbit = RingSpeeds { inner: speed, outer: self.outer_speed }.carried(self.orbit_ratio);
+        self.ball_mass * orbit * orbit
     }
 
     /// Penetration under a load over the ball's radius, the larger of both raceways [-].

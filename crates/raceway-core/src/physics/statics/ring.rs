@@ -98,7 +98,8 @@ impl RingBearing {
         let mut start = [0.0; FREEDOMS];
         start[0] = self.axial_play();
         let load = from_fn(|k| if k == 0 { thrust } else { 0.0 });
-        Ok(self.operating_point(&load, from_fn(|k| k == 0), &start, 0.0)?.pose[0])
+        let at_rest = self.clone().with_outer_speed(0.0);
+        Ok(at_rest.operating_point(&load, from_fn(|k| k == 0), &start, 0.0)?.pose[0])
     }
 }
 

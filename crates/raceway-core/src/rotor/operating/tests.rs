@@ -9,7 +9,7 @@ use crate::physics::contact::hertz::raceway_contacts;
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::Disc;
 use crate::physics::frame::mesh::Mesh;
-use crate::physics::frame::shaft::{Section, Shaft};
+use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion};
 use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::material::Material;
 use crate::physics::presets;
@@ -50,6 +50,7 @@ fn bar(length: f64, diameter: f64, bearings: Vec<RotorBearing>) -> Rotor {
             damping_ratio: 0.005,
             rotating_share: 0.0,
             is_axially_free: false,
+            motion: ShaftMotion::Bends,
         },
         unbalances: Vec::new(),
         loads: Vec::new(),

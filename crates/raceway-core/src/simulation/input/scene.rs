@@ -7,6 +7,7 @@ use crate::physics::bearing::{Bearing, BearingParameters};
 use crate::physics::cage::CageParameters;
 use crate::physics::contact::damping::DampingLaw;
 use crate::physics::defaults::{GRAVITY, RACEWAY_DAMPING};
+use crate::physics::kinematics::RingSpeeds;
 use crate::physics::limits::Faults;
 use crate::physics::loads::LoadDirection;
 use crate::physics::lubricant::Lubricant;
@@ -181,6 +182,7 @@ impl Scene {
             },
             operation: Operation {
                 speed: SpeedProfile::constant(speed)?,
+                outer_speed: SpeedProfile::at_rest(),
                 load,
                 loads: Vec::new(),
                 misalignment: [0.0; 2],
@@ -200,9 +202,14 @@ impl Scene {
         !self.surfaces.balls.is_empty() || !self.pocket_deviations.is_empty()
     }
 
-    /// Angular speed that grades, films and ideal kinematics refer to: the largest of the profile [rad/s].
+    /// Angular speed of the spindle that grades of unbalance refer to: the largest of the profile [rad/s].
     pub fn operating_speed(&self) -> f64 {
         self.operation.speed.largest()
+    }
+
+    /// Speeds of the rings that films and ideal kinematics refer to: where these roll fastest over each other [rad/s].
+    pub fn operating_speeds(&self) -> RingSpeeds {
+        self.operation.rotation().operating()
     }
 }
 

@@ -38,7 +38,7 @@ const LONGEST_SURFACE_WINDOW: f64 = 8.0;
 
 /// Longest window of spectra of a scene [s].
 pub fn longest_window(scene: &Scene) -> f64 {
-    let cage = ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
+    let cage = ideal_frequencies(&scene.bearing, scene.operating_speeds()).cage;
     match scene.surfaces.are_ideal() || cage <= 0.0 {
         true => LONGEST_WINDOW,
         false => (SURFACE_TURNS / cage).clamp(LONGEST_WINDOW, LONGEST_SURFACE_WINDOW),

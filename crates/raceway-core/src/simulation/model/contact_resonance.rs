@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Matrix3;
 
 use crate::physics::frames::{Vector, dot};
+use crate::physics::kinematics::RingSpeeds;
 use crate::simulation::model::equilibrium::spindle_stiffness;
 use crate::simulation::model::mechanism::Mechanism;
 
@@ -24,12 +25,13 @@ impl ContactResonance {
     }
 }
 
-/// Resonances under the loads at a spindle speed [rad/s], the lowest first; empty without an equilibrium. Balls follow without inertia. The
+/// Resonances under the loads at speeds of the rings [rad/s], the lowest first; empty without an equilibrium. Balls follow without inertia. The
 /// stiffness is the mean of two positions: a ball under +Y, and half a ball spacing further.
-pub fn contact_resonances(ideal: &Mechanism, speed: f64) -> Vec<ContactResonance> {
+pub fn contact_resonances(ideal: &Mechanism, speeds: impl Into<RingSpeeds>) -> Vec<ContactResonance> {
+    let speeds = speeds.into();
     let stiffness = |turn: f64| {
         let turned = Mechanism { start: ideal.start.turned(turn), ..ideal.clone() };
-        spindle_stiffness(&turned, speed).ok()
+        spindle_stiffness(&turned, speeds).ok()
     };
     let halfway = PI / ideal.layout.balls as f64;
     let Some((one, other)) = stiffness(0.0).zip(stiffness(halfway)) else { return Vec::new() };

@@ -35,7 +35,7 @@ pub struct StaticLoads {
 pub fn start_state(model: &Model) -> Result<Vec<f64>, SimulationError> {
     let mechanism = model.mechanism();
     let layout = mechanism.layout;
-    let rest = equilibrium(mechanism, mechanism.speed.at(0.0).1)?;
+    let rest = equilibrium(mechanism, mechanism.rotation.speeds(0.0))?;
     let mut state = vec![0.0; layout.dimension()];
     for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {
         layout.set_ball(&mut state, ball, &BallState { axial, radial, ..BallState::default() });

@@ -74,6 +74,8 @@ pub enum Inapplicable {
     OtherChannels,
     #[error("an output asks for motion along X")]
     ChannelAlongX,
+    #[error("the outer ring turns (operation.outer_speed_rpm), and this model has equations for one that stands")]
+    OuterRingTurns,
     #[error("the speed changes")]
     SpeedChanges,
     #[error("a load varies (operation.loads), and not with every ball")]

@@ -1,7 +1,7 @@
 //! Characteristic frequencies of rolling at the contact angles of the equilibrium under load.
 
 use crate::physics::bearing::PerRaceway;
-use crate::physics::kinematics::{CharacteristicFrequencies, LoadedBall, SpinAxis, with_cage_speed};
+use crate::physics::kinematics::{CharacteristicFrequencies, LoadedBall, SpinAxis, rolling_frequencies};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::equilibrium::equilibrium;
 use crate::simulation::model::failure::SimulationError;
@@ -18,12 +18,12 @@ pub struct LoadedFrequencies {
     pub inner_control: CharacteristicFrequencies,
 }
 
-/// Frequencies at the operating speed, from the equilibrium under loads, weights and centrifugal forces in which a run at this speed starts;
+/// Frequencies at the operating speeds, from the equilibrium under loads, weights and centrifugal forces in which a run at this speed starts;
 /// `None` where too few balls carry load.
 pub fn loaded_frequencies(scene: &Scene, needs: &ActiveTerms) -> Result<Option<LoadedFrequencies>, SimulationError> {
     let mechanism = Mechanism::new(scene, needs);
-    let speed = scene.operating_speed();
-    let rest = equilibrium(&mechanism, speed)?;
+    let speeds = scene.operating_speeds();
+    let rest = equilibrium(&mechanism, speeds)?;
     let balls: Vec<(PerRaceway<f64>, LoadedBall)> = (rest.balls.iter().zip(&rest.angles).zip(rest.loads))
         .enumerate()
         .map(|(ball, ((&(_, radial), &angle), load))| {
@@ -37,11 +37,10 @@ pub fn loaded_frequencies(scene: &Scene, needs: &ActiveTerms) -> Result<Option<L
         balls.iter().for_each(|(load, ball)| rolling.add(*load, || ratio(ball)));
         rolling.mean()
     };
-    let shaft = speed.abs() / std::f64::consts::TAU;
     let frequencies = |axis: fn(&LoadedBall) -> SpinAxis| {
         let orbit = mean(&|ball| ball.orbit_ratio(axis(ball)))?;
         let spin = mean(&|ball| ball.spin_ratio(axis(ball)))?;
-        Some(with_cage_speed(&scene.bearing, shaft, shaft * orbit, shaft * spin))
+        Some(rolling_frequencies(&scene.bearing, speeds, orbit, spin))
     };
     let both = frequencies(LoadedBall::outer_control).zip(frequencies(LoadedBall::inner_control));
     Ok(both.map(|(outer_control, inner_control)| LoadedFrequencies { outer_control, inner_control }))

@@ -6,12 +6,12 @@ use crate::physics::bearing::{Bearing, PerRaceway, SpindlePlay};
 use crate::physics::cage::CageParameters;
 use crate::physics::drag::Drag;
 use crate::physics::frames::{Azimuth, Vector};
-use crate::physics::kinematics;
+use crate::physics::kinematics::{self, RingSpeeds};
 use crate::physics::land::Land;
 use crate::physics::limits::SHORTEST_RAMP;
 use crate::physics::loads::{SpindleLoad, VaryingLoads};
 use crate::physics::neighbour::NeighbourContact;
-use crate::physics::operation::{InitialPerturbation, SpeedProfile};
+use crate::physics::operation::{InitialPerturbation, RingRotation, Turn};
 use crate::physics::pocket::Pocket;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
@@ -32,10 +32,10 @@ const STEPS_PER_WAVE: f64 = 10.0;
 #[derive(Debug, Clone)]
 pub struct Mechanism {
     pub layout: Layout,
-    pub speed: SpeedProfile,
-    /// Orbit speed of ideal balls over spindle speed.
+    pub rotation: RingRotation,
+    /// Orbit speed of ideal balls over spindle speed, both relative to the outer ring.
     pub orbit_ratio: f64,
-    /// Spin ω_x of ideal balls in space over spindle speed: the spin in the orbit frame plus the orbit speed.
+    /// Spin ω_x of ideal balls over spindle speed, both relative to the outer ring: the spin in the orbit frame plus the orbit speed.
     pub spin_ratio: f64,
     pub pitch_radius: f64,
     /// Start azimuths of balls and pockets, padded to whole lanes by that of the last ball.
@@ -91,6 +91,26 @@ pub struct Mechanism {
     pub(crate) perturbation: Option<InitialPerturbation>,
     /// Damping of the start-up phase, which is no part of the scene.
     pub(crate) damping: Option<FadingDamping>,
+}
+
+/// Rotations of the rings and of ideally rolling balls at one time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Rotations {
+    /// Of the inner ring, with the shaft.
+    pub inner: Turn,
+    pub outer: Turn,
+    /// Of the balls round the bearing axis.
+    pub orbit: Turn,
+    /// Of a ball about X, in space.
+    pub spin: Turn,
+    /// Of a ball about X in its orbit frame: angle [rad] and speed [rad/s].
+    pub turn: f64,
+    pub turn_speed: f64,
+}
+
+/// Sign of the speed of ideally rolling balls round the bearing axis; 1 at rest.
+pub(crate) fn direction(rings: RingSpeeds, mechanism: &Mechanism) -> f64 {
+    if rings.carried(mechanism.orbit_ratio) < 0.0 { -1.0 } else { 1.0 }
 }
 
 /// A ball that may have waves and defects, as it lies at the start.
@@ -185,15 +205,15 @@ impl Mechanism {
     /// Times after 0 at which the angular acceleration or the slope of a load jumps [s], in their order.
     pub(crate) fn kinks(&self) -> Vec<f64> {
         let of_loads = self.varying_loads.iter().flat_map(VaryingLoads::kinks).filter(|at| *at > 0.0);
-        let mut kinks: Vec<f64> = self.speed.kinks().chain(of_loads).collect();
+        let mut kinks: Vec<f64> = self.rotation.kinks().chain(of_loads).collect();
         kinks.sort_by(f64::total_cmp);
         kinks.dedup_by(|later, earlier| *later < *earlier + SHORTEST_RAMP);
         kinks
     }
 
-    /// True where neither speed nor loads change but periodically.
+    /// True where neither speeds nor loads change but periodically.
     pub(crate) fn is_steady(&self) -> bool {
-        self.speed.is_constant() && !self.varying_loads.as_ref().is_some_and(VaryingLoads::has_transients)
+        self.rotation.is_constant() && !self.varying_loads.as_ref().is_some_and(VaryingLoads::has_transients)
     }
 
     /// Returns true where state or time limit the steps of error control.
@@ -216,9 +236,35 @@ impl Mechanism {
         Some(heaviest)
     }
 
-    /// Orbit speed of ideally rolling balls at constant shaft speed [rad/s]; `None` where the speed changes.
+    /// Orbit speed of ideally rolling balls at constant speeds of the rings [rad/s]; `None` where a speed changes.
     pub(crate) fn steady_orbit_speed(&self) -> Option<f64> {
-        self.speed.is_constant().then(|| self.orbit_ratio * self.speed.at(0.0).1)
+        self.rotation.is_constant().then(|| self.rotations(0.0).orbit.speed)
+    }
+
+    /// Rotations of the rings and of ideally rolling balls at a time [s].
+    #[inline(always)]
+    pub fn rotations(&self, time: f64) -> Rotations {
+        let (inner, outer) = self.rotation.at(time);
+        Rotations {
+            inner,
+            outer,
+            orbit: outer.carried(self.orbit_ratio, inner),
+            spin: outer.carried(self.spin_ratio, inner),
+            turn: (self.spin_ratio - self.orbit_ratio) * (inner.angle - outer.angle),
+            turn_speed: (self.spin_ratio - self.orbit_ratio) * (inner.speed - outer.speed),
+        }
+    }
+
+    /// Azimuth of a ball along its orbit [rad]; `arc`: its arc beyond the ideal orbit [m].
+    #[inline(always)]
+    pub(crate) fn azimuth(&self, ball: usize, rotations: &Rotations, arc: f64) -> f64 {
+        self.start.angle[ball] + rotations.orbit.angle + arc / self.pitch_radius
+    }
+
+    /// Speed of ball or cage along the orbit [rad/s]; `arc_velocity`: beyond the ideal orbit [m/s].
+    #[inline(always)]
+    pub(crate) fn orbit_speed(&self, rotations: &Rotations, arc_velocity: f64) -> f64 {
+        rotations.orbit.speed + arc_velocity / self.pitch_radius
     }
 
     /// The constants of a scene with its active terms, on raceways that are ideal circles.
@@ -228,7 +274,7 @@ impl Mechanism {
             SpindleTilt::Free(inertia) => Some(inertia),
             SpindleTilt::Held => None,
         };
-        let operating_speed = scene.operating_speed();
+        let rotation = scene.operation.rotation();
         let [x, y, z, about_y, about_z] = scene.operation.start_load();
         let orbit_ratio = kinematics::ideal_orbit_ratio(bearing);
         let relative_spin_ratio = kinematics::ideal_spin_ratio(bearing);
@@ -239,8 +285,13 @@ impl Mechanism {
             .any(|deviation| deviation != 0.0)
             .then(|| 0.5 * deviations.fold(f64::NEG_INFINITY, f64::max));
         let raceway = RacewayContact::pair(bearing, &scene.lubricant, scene.raceway_damping.resolve(), needs.raceway);
-        let mut pocket =
-            Pocket::new(bearing, &scene.cage, &scene.lubricant, relative_spin_ratio * operating_speed, needs.pocket);
+        let mut pocket = Pocket::new(
+            bearing,
+            &scene.cage,
+            &scene.lubricant,
+            relative_spin_ratio * rotation.operating().relative(),
+            needs.pocket,
+        );
         if let Some(largest) = largest_oversize {
             pocket = pocket.with_unequal_balls(largest);
         }
@@ -253,7 +304,7 @@ impl Mechanism {
                 tilting_spindle: spindle_inertia.is_some(),
                 attitude: false,
             },
-            speed: scene.operation.speed.clone(),
+            rotation,
             orbit_ratio,
             spin_ratio: relative_spin_ratio + orbit_ratio,
             pitch_radius: 0.5 * bearing.parameters.pitch_diameter,
@@ -288,7 +339,7 @@ impl Mechanism {
             load: [x, y, z],
             moment: [about_y, about_z],
             varying_loads: scene.operation.varying_loads(),
-            unbalance: if needs.unbalance { scene.spindle.unbalance_product(operating_speed) } else { 0.0 },
+            unbalance: if needs.unbalance { scene.spindle.unbalance_product(scene.operating_speed()) } else { 0.0 },
             gravity: if needs.gravity { scene.gravity } else { 0.0 },
             perturbation: scene.operation.start_perturbation(),
             damping: None,

@@ -22,7 +22,7 @@ fn longest_step(mechanism: &Mechanism, time: f64, state: &[f64]) -> f64 {
         return of_loads;
     }
     let PerRaceway { inner, outer } = &mechanism.defects;
-    let (angle, speed, _) = mechanism.speed.at(time);
+    let rotations = mechanism.rotations(time);
     let spindle = mechanism.layout.spindle(state).position;
     let mut longest = of_loads;
     let mut limit = |defects: &[DefectReach], azimuth: f64, rate: f64| {
@@ -32,13 +32,13 @@ fn longest_step(mechanism: &Mechanism, time: f64, state: &[f64]) -> f64 {
     };
     for index in 0..mechanism.layout.balls {
         let ball = mechanism.layout.ball(state, index);
-        let azimuth = mechanism.start.angle[index] + mechanism.orbit_ratio * angle + ball.arc / mechanism.pitch_radius;
-        let rate = mechanism.orbit_ratio * speed + ball.arc_velocity / mechanism.pitch_radius;
-        limit(outer, azimuth, rate);
+        let azimuth = mechanism.azimuth(index, &rotations, ball.arc);
+        let rate = mechanism.orbit_speed(&rotations, ball.arc_velocity);
+        limit(outer, azimuth - rotations.outer.angle, rate - rotations.outer.speed);
         // About the axis of the spindle, tilt apart.
         let [_, towards, along] = Azimuth::new(azimuth).to_orbit(spindle);
         let turn = small_angle(mechanism.pitch_radius + ball.radial - towards, -along);
-        limit(inner, azimuth + turn - angle, rate - speed);
+        limit(inner, azimuth + turn - rotations.inner.angle, rate - rotations.inner.speed);
     }
     (0..mechanism.uneven_balls.len()).map(|index| on_ball(mechanism, time, state, index)).fold(longest, f64::min)
 }
@@ -49,13 +49,12 @@ fn on_ball(mechanism: &Mechanism, time: f64, state: &[f64], index: usize) -> f64
     if inner.is_empty() && outer.is_empty() {
         return f64::INFINITY;
     }
-    let (layout, (angle, speed, _)) = (&mechanism.layout, mechanism.speed.at(time));
+    let (layout, rotations) = (&mechanism.layout, mechanism.rotations(time));
     let (ball, attitude) = (layout.ball(state, index), layout.attitude(state, index));
     let [about_x, about_r, about_t] = ball.spin;
-    let ratio = mechanism.spin_ratio - mechanism.orbit_ratio;
-    let turning = [about_x + ratio * speed - ball.arc_velocity / mechanism.pitch_radius, about_r, about_t];
-    let axes = attitude.axes(axes, Azimuth::new(ratio * angle), layout.planar);
-    let azimuth = mechanism.start.angle[index] + mechanism.orbit_ratio * angle + ball.arc / mechanism.pitch_radius;
+    let turning = [about_x + rotations.turn_speed - ball.arc_velocity / mechanism.pitch_radius, about_r, about_t];
+    let axes = attitude.axes(axes, Azimuth::new(rotations.turn), layout.planar);
+    let azimuth = mechanism.azimuth(index, &rotations, ball.arc);
     let at = [ball.axial, mechanism.pitch_radius + ball.radial, 0.0];
     let [x, towards, along] = Azimuth::new(azimuth).to_orbit(layout.spindle(state).position);
     let from_spindle = subtract(at, [x + mechanism.axial_offset, towards, along]);

@@ -60,8 +60,13 @@ impl<'m> SiteObserver<'m> {
         }
     }
 
-    /// Observes all balls at a time [s]; `shaft`: angle of the inner ring [rad]; `ball`: azimuth [rad] and loads [N] of one.
-    pub(crate) fn observe(&mut self, time: f64, shaft: f64, ball: impl Fn(usize) -> (f64, PerRaceway<f64>)) {
+    /// Observes all balls at a time [s]; `rings`: angles of the rings [rad]; `ball`: azimuth [rad] and loads [N] of one.
+    pub(crate) fn observe(
+        &mut self,
+        time: f64,
+        rings: PerRaceway<f64>,
+        ball: impl Fn(usize) -> (f64, PerRaceway<f64>),
+    ) {
         let interval = time - self.last.replace(time).unwrap_or(time);
         let SurfaceSites { load_zone, defects } = self.sites;
         for index in 0..self.balls {
@@ -72,8 +77,8 @@ impl<'m> SiteObserver<'m> {
                 off_time.add(index, interval, load);
             }
             if let Some(passages) = &mut self.passages {
-                let on_inner = defects.inner.iter().map(|edges| (edges, azimuth - shaft));
-                let on_outer = defects.outer.iter().map(|edges| (edges, azimuth));
+                let on_inner = defects.inner.iter().map(|edges| (edges, azimuth - rings.inner));
+                let on_outer = defects.outer.iter().map(|edges| (edges, azimuth - rings.outer));
                 for (number, (edges, azimuth)) in on_inner.chain(on_outer).enumerate() {
                     passages.observe(
                         number * self.balls + index,

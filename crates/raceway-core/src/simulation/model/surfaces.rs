@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::physics::bearing::PerRaceway;
-use crate::physics::kinematics;
+use crate::physics::kinematics::{self, RingSpeeds};
 use crate::physics::raceway::RacewayContact;
 use crate::physics::surface::SurfaceProfile;
 use crate::physics::surface::ball::{BallSurface, surface_number};
@@ -73,8 +73,9 @@ struct Contacts {
 
 impl Contacts {
     fn of(ideal: &Mechanism, scene: &Scene) -> Self {
-        let speed = scene.operating_speed();
-        let loads = equilibrium(ideal, speed).map(|rest| rest.loads).unwrap_or_default();
+        let speeds = scene.operating_speeds();
+        let speed = speeds.relative();
+        let loads = equilibrium(ideal, speeds).map(|rest| rest.loads).unwrap_or_default();
         let most = |of: fn(&PerRaceway<f64>) -> f64| loads.iter().map(of).fold(0.0, f64::max);
         let orbit = kinematics::ideal_orbit_ratio(&scene.bearing);
         let frequency = |ratio: f64| (ratio * speed / TAU).abs();
@@ -121,18 +122,18 @@ pub fn averaged_balls(ideal: &Mechanism, scene: &Scene) -> Vec<PerRaceway<Averag
     averaged.collect()
 }
 
-/// Loads of a ball that passes an azimuth of the outer ring [rad], on ideal raceways at the largest speed [N]; 0 without an equilibrium.
+/// Loads of a ball that passes an azimuth [rad], on ideal raceways at the largest speed [N]; 0 without an equilibrium.
 pub fn ball_loads_at(ideal: &Mechanism, scene: &Scene, azimuth: f64) -> PerRaceway<f64> {
     let turned = Mechanism { start: ideal.start.turned(azimuth), ..ideal.clone() };
-    let loads = equilibrium(&turned, scene.operating_speed()).map(|rest| rest.loads).unwrap_or_default();
+    let loads = equilibrium(&turned, scene.operating_speeds()).map(|rest| rest.loads).unwrap_or_default();
     loads.first().copied().unwrap_or_default()
 }
 
 /// Least number of azimuths in a turn at which the load zone is known [-]: its edges are within 2.5°.
 const AZIMUTHS: usize = 72;
 
-/// The load zone on ideal raceways at a speed [rad/s]; `None` without an equilibrium.
-fn load_zone(ideal: &Mechanism, speed: f64) -> Option<LoadZone> {
+/// The load zone on ideal raceways at speeds of the rings [rad/s]; `None` without an equilibrium.
+fn load_zone(ideal: &Mechanism, speeds: RingSpeeds) -> Option<LoadZone> {
     let balls = ideal.layout.balls;
     // Each equilibrium has all balls.
     let turns = AZIMUTHS.div_ceil(balls);
@@ -140,7 +141,7 @@ fn load_zone(ideal: &Mechanism, speed: f64) -> Option<LoadZone> {
     for turn in 0..turns {
         let by = TAU * turn as f64 / pressed.len() as f64;
         let turned = Mechanism { start: ideal.start.turned(by), ..ideal.clone() };
-        for (ball, load) in equilibrium(&turned, speed).ok()?.loads.iter().enumerate() {
+        for (ball, load) in equilibrium(&turned, speeds).ok()?.loads.iter().enumerate() {
             pressed[turns * ball + turn] = load.inner > 0.0;
         }
     }
@@ -177,7 +178,7 @@ pub(crate) fn with_surfaces(ideal: Mechanism, scene: &Scene) -> Mechanism {
     let defect_step = recesses.map(Recess::longest_step).fold(f64::INFINITY, f64::min);
     let edges = |of: &AveragedSurface| of.defects.iter().map(Recess::edges).collect();
     let defects = PerRaceway { inner: edges(&surfaces.inner), outer: edges(&surfaces.outer) };
-    let sites = Some(SurfaceSites { load_zone: load_zone(&ideal, scene.operating_speed()), defects });
+    let sites = Some(SurfaceSites { load_zone: load_zone(&ideal, scene.operating_speeds()), defects });
     let PerRaceway { inner: inner_contact, outer: outer_contact } = ideal.raceway.clone();
     let axial = |of: &AveragedSurface| SurfaceProfile::of_waves(&of.axial_waves.averaged());
     let raceway = PerRaceway {
@@ -200,7 +201,7 @@ fn with_balls(smooth: Mechanism, balls: &[PerRaceway<AveragedBall>]) -> Mechanis
         inner: inner.with_balls(contacts(|ball| &ball.inner)),
         outer: outer.with_balls(contacts(|ball| &ball.outer)),
     };
-    let angles = equilibrium(&smooth, smooth.speed.at(0.0).1).map(|rest| rest.angles).unwrap_or_default();
+    let angles = equilibrium(&smooth, smooth.rotation.speeds(0.0)).map(|rest| rest.angles).unwrap_or_default();
     let start = |ball: usize| {
         let at_rest = angles.get(ball).copied().unwrap_or_default();
         UnevenBall::at_start(ball, &raceway, &balls[ball], at_rest, planar)

@@ -287,7 +287,7 @@ impl Decision<'_> {
                         &self.scene.bearing,
                         lubricant,
                         self.largest_ball_load(),
-                        self.scene.operating_speed(),
+                        self.scene.operating_speeds().relative(),
                     ),
                     "N",
                 )),
@@ -303,9 +303,9 @@ impl Decision<'_> {
     /// Down to a saturation slip of this variation six Gauss points err by less than nine strips (`tests/limits/contact_points.rs`).
     fn slip_variation(&self) -> f64 {
         let Scene { bearing, operation, .. } = self.scene;
-        let speed = operation.speed.largest();
-        let spin = (kinematics::ideal_spin_ratio(bearing) * speed).abs();
-        let orbit = kinematics::ideal_orbit_ratio(bearing) * speed;
+        let speeds = operation.rotation().operating();
+        let spin = (kinematics::ideal_spin_ratio(bearing) * speeds.relative()).abs();
+        let orbit = speeds.carried(kinematics::ideal_orbit_ratio(bearing));
         let centrifugal = bearing.ball_mass * 0.5 * bearing.parameters.pitch_diameter * orbit * orbit;
         let is_axial = operation.acts_along_x() || self.scene.spindle.axial != AxialHold::Fixed;
         let sine = if is_axial { bearing.free_contact_angle.sin().abs() } else { 0.0 };

@@ -70,17 +70,17 @@ pub struct PlotData {
 impl PlotData {
     /// Data of a recording. Of a steady run only the last passages and turns are kept, as many as a plot can resolve.
     pub fn of(recording: &Recording, balls: usize, is_steady: bool) -> Self {
-        let passage = is_steady.then_some(recording.cage_speed * balls as f64);
+        let passage = is_steady.then_some(recording.speeds.cage * balls as f64);
         let moves = [Motion::Velocity, Motion::Acceleration];
         let channels =
             [Axis::Y, Axis::Z].into_iter().flat_map(|axis| moves.map(|motion| Channel::Spindle(axis, motion)));
         let traces = channels.filter_map(|channel| Some(trace(recording.start, recording.of(channel)?, passage)));
         let spindle = |axis| Channel::Spindle(axis, Motion::Displacement);
         let orbits = [
-            orbit("spindle", recording.shaft_speed, recording.of(spindle(Axis::Y)), recording.of(spindle(Axis::Z))),
+            orbit("spindle", recording.speeds.shaft, recording.of(spindle(Axis::Y)), recording.of(spindle(Axis::Z))),
             orbit(
                 "cage",
-                recording.cage_speed,
+                recording.speeds.cage,
                 recording.of(Channel::CageDisplacement(Axis::Y)),
                 recording.of(Channel::CageDisplacement(Axis::Z)),
             ),
@@ -101,7 +101,7 @@ impl Impact {
         };
         let (place, _) = signals.iter().filter_map(largest).max_by(|(_, one), (_, other)| one.total_cmp(other))?;
         let all = signals.first()?.first_window().len();
-        let shown = values_in_turns(all, IMPACT_PASSAGES, Some(recording.cage_speed * balls as f64));
+        let shown = values_in_turns(all, IMPACT_PASSAGES, Some(recording.speeds.cage * balls as f64));
         let first = place.saturating_sub(shown / 2).min(all - shown);
         let trace = |signal: &&Signal| part(recording.start, signal, first..first + shown);
         let time = |place: usize| recording.start + place as f64 / RATE;

@@ -2,6 +2,7 @@
 
 use crate::numerics::parallel::both;
 use crate::physics::bearing::PerRaceway;
+use crate::physics::kinematics::BodySpeeds;
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::ball_tracks::BallTrack;
@@ -46,7 +47,8 @@ pub struct Quantities {
     pub cage_slip: Option<f64>,
 }
 
-/// Slip of a cage [-] from mean speeds of cage and shaft, magnitudes in the same unit, and the orbit ratio of rolling; `None` at rest.
+/// Slip of a cage [-] from mean speeds of cage and shaft relative to the outer ring, magnitudes in the same unit, and the orbit ratio of
+/// rolling; `None` where the rings do not turn relative to each other.
 pub fn cage_slip(cage_speed: f64, shaft_speed: f64, orbit_ratio: f64) -> Option<f64> {
     let ideal = shaft_speed * orbit_ratio;
     (ideal > 0.0).then(|| 1.0 - cage_speed / ideal)
@@ -69,17 +71,13 @@ pub struct Recording {
     pub contacts: PerRaceway<ContactExtremes>,
     /// Largest load of any pocket [N].
     pub max_pocket_load: f64,
-    /// Sign of the shaft's mean speed.
+    /// Sign of the mean speed of ideally rolling balls round the bearing axis.
     pub direction: f64,
-    /// Magnitude of the mean shaft speed over the recorded time [rad/s].
-    pub shaft_speed: f64,
-    /// Magnitude of the mean cage speed over the recorded time [rad/s].
-    pub cage_speed: f64,
-    /// Orbit speed of balls that roll at their loaded contact angles over the shaft speed, mean of the balls with load [-]; `None` where too
-    /// few balls carry load, and where it was not requested.
+    /// Mean speeds over the recorded time [rad/s]. That of a ball is its spin about its own axis in the orbit frame.
+    pub speeds: BodySpeeds,
+    /// Orbit speed of balls that roll at their loaded contact angles over the shaft speed, both relative to the outer ring, mean of the balls
+    /// with load [-]; `None` where too few balls carry load, and where it was not requested.
     pub loaded_orbit_ratio: Option<f64>,
-    /// Mean spin of a ball about its own axis in the orbit frame [rad/s].
-    pub ball_spin: f64,
     /// How each ball rolls, where one is no sphere and the model knows; else empty.
     pub tracks: Vec<BallTrack>,
     /// Scalar results of consecutive parts of the recorded time.
@@ -149,7 +147,7 @@ impl Recording {
     /// Slip of the cage against rolling at the loaded contact angles [-]; `None` at rest, where too few balls carry load, and where it was not
     /// requested.
     pub fn cage_slip(&self) -> Option<f64> {
-        cage_slip(self.cage_speed, self.shaft_speed, self.loaded_orbit_ratio?)
+        cage_slip(self.speeds.relative_cage, self.speeds.relative, self.loaded_orbit_ratio?)
     }
 
     /// Scalar results over the whole recorded time.
@@ -157,7 +155,7 @@ impl Recording {
         let loads = self.contacts.inner.max_load.iter().chain(&self.contacts.outer.max_load);
         Quantities {
             max_load: loads.copied().fold(0.0, f64::max),
-            cage_speed: self.cage_speed,
+            cage_speed: self.speeds.cage,
             out_of_plane: self.parts.iter().fold(0.0, |most, part| f64::max(most, part.out_of_plane)),
             max_pocket_load: self.max_pocket_load,
             max_slip: self.contacts.map(|contact| contact.max_slip),

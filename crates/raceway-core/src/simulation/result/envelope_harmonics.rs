@@ -89,6 +89,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft: 30.0,
             cage: 12.0,
+            outer_ring: 0.0,
+            ball_pass: rate,
             ball_pass_outer: rate,
             ball_pass_inner: 160.0,
             ball_spin: 70.0,
@@ -113,6 +115,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft: 29.95,
             cage: 11.9,
+            outer_ring: 0.0,
+            ball_pass: 107.0,
             ball_pass_outer: 107.0,
             ball_pass_inner: 162.0,
             ball_spin: 70.5,
@@ -141,6 +145,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft: 1.67,
             cage: 0.66,
+            outer_ring: 0.0,
+            ball_pass: 6.0,
             ball_pass_outer: 6.0,
             ball_pass_inner: 9.0,
             ball_spin: 3.9,

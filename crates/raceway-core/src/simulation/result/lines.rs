@@ -61,6 +61,8 @@ const BALL: &str = "BSF";
 const SHAFT: &str = "f_r";
 const CAGE: &str = "FTF";
 const OUTER: &str = "BPFO";
+/// Label of the rotation of the outer ring.
+const OUTER_RING: &str = "f_o";
 /// Label of a harmonic load.
 const LOAD: &str = "load";
 /// Cost of the first order of a load: lower than of the shaft, which an order of the load may coincide with.
@@ -88,6 +90,9 @@ pub(crate) struct LineSources<'a> {
     pub uneven_inner: bool,
     /// Orders of the given waves of the inner raceway.
     pub inner_orders: &'a [i32],
+    /// The outer ring turns. Balls then pass the load and the outer raceway at different rates, and a defect of it turns through the load if it
+    /// has one.
+    pub outer_ring: OuterRing,
     /// A raceway has waves or defects.
     pub uneven_raceways: bool,
     /// A ball has odd orders of its spin, too: it has a defect, which the raceways feel differently, or waves that others do not have.
@@ -96,6 +101,24 @@ pub(crate) struct LineSources<'a> {
     pub unequal_balls: bool,
     /// Frequencies of harmonic loads.
     pub loads: &'a [f64],
+}
+
+/// Motion of the outer ring, as lines show it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OuterRing {
+    Stands,
+    Turns { is_uneven: bool },
+}
+
+impl LineSources<'_> {
+    fn outer_turns(&self) -> bool {
+        self.outer_ring != OuterRing::Stands
+    }
+
+    /// Returns true for the passage of the balls under the load.
+    fn is_passage(&self, term: &Term) -> bool {
+        if self.outer_turns() { term.name == CAGE && term.unit > 1 } else { term.name == OUTER }
+    }
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
@@ -213,22 +236,32 @@ fn label(frequency: f64, sources: &LineSources<'_>, resolution: f64) -> (String,
 
 /// Frequencies of the terms that turn with the cage, without signs [Hz].
 fn slipping(combination: &[Term; 3]) -> f64 {
-    let slips = |term: &&Term| term.name != SHAFT && term.name != LOAD;
+    let slips = |term: &&Term| ![SHAFT, OUTER_RING, LOAD].contains(&term.name);
     combination.iter().filter(slips).map(|term| f64::from(term.order.abs()) * term.frequency).sum()
 }
 
 /// Combinations with a physical cause that come near the frequency:
-/// - harmonics of the shaft and of the ball passage of the outer raceway, with sidebands of both and of the cage;
+/// - harmonics of the shaft and of the ball passage under the load, which is that of an outer raceway that stands, with sidebands of both and of
+///   the cage;
+/// - the ball passage of an outer raceway that turns, with sidebands of its ring;
 /// - the ball passage of the inner raceway with sidebands of the shaft, which carries the raceway;
 /// - orders of given waves of the inner raceway with sidebands of the ball passage of the outer raceway, which carries the load zone;
 /// - even orders of the spin of a ball that is no sphere, and odd ones where it has them, with sidebands of the cage, which carries the ball;
-/// - harmonic loads, and the ball passage of the outer raceway with sidebands of them;
+/// - harmonic loads, and the ball passage under the load with sidebands of them;
 /// - the whirl of cage and spindle, whose rates follow from their motion and not from the bearing's frequencies.
 fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1, driven: false };
     let all = &sources.frequencies;
     let shaft = term(SHAFT, all.shaft, 1.0);
     let outer = term(OUTER, all.ball_pass_outer, 1.0);
+    let ring = term(OUTER_RING, all.outer_ring, 1.0);
+    let outer_turns = sources.outer_turns();
+    // Balls pass under the load at this rate, which is a multiple of the cage's.
+    let balls = (all.ball_pass / all.cage).round();
+    let passage = match outer_turns {
+        true => Term { unit: balls as i32, ..term(CAGE, all.ball_pass, 1.0) },
+        false => outer,
+    };
     let inner = term(INNER, all.ball_pass_inner, 1.1);
     // The cage carries uneven balls through the load.
     let any_ball = term(BALL, all.ball_spin, 1.3).driven(true);
@@ -239,13 +272,12 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     let usable = |term: &Term| term.frequency >= SEPARATION * tolerance;
     let side = |term: &Term, reach: i32| if usable(term) { -reach..=reach } else { 0..=0 };
 
-    let balls = (all.ball_pass_outer / all.cage).round() as i32;
     let mut found = Vec::new();
-    if usable(&outer) && usable(&shaft) {
+    if usable(&passage) && usable(&shaft) {
         let waves = sources.inner_orders.iter().flat_map(|order| WAVE_HARMONICS.map(move |harmonic| harmonic * order));
         found.extend(waves.map(|order| {
-            let passages = ((frequency - f64::from(order) * shaft.frequency) / outer.frequency).round();
-            [outer.driven(true).times(passages as i32), shaft.driven(true).times(order), cage]
+            let passages = ((frequency - f64::from(order) * shaft.frequency) / passage.frequency).round();
+            [passage.driven(true).times(passages as i32), shaft.driven(true).times(order), cage]
         }));
     }
     // A carrier's order follows from the frequency once the sidebands are chosen.
@@ -254,7 +286,7 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         let order = (rest / carrier.frequency).round();
         let highest = match carrier.name {
             // From the number of balls on, its harmonics are passages with sidebands.
-            CAGE => HIGHEST_CAGE_ORDER.min(f64::from(balls - 1)),
+            CAGE if carrier.unit == 1 => HIGHEST_CAGE_ORDER.min(balls - 1.0),
             LOAD => HIGHEST_LOAD_ORDER,
             _ => HIGHEST_ORDER,
         };
@@ -263,15 +295,15 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         }
     };
     // Unequal balls drive every multiple of the cage speed.
-    let half_passage = (0.5 * all.ball_pass_outer / all.cage) as i32;
+    let half_passage = (0.5 * all.ball_pass / all.cage) as i32;
     let of_cage = if sources.unequal_balls { CAGE_SIDEBANDS.max(half_passage) } else { CAGE_SIDEBANDS };
     for k in side(&cage, of_cage) {
         let cage = cage.times(k);
         for n in side(&shaft, SHAFT_SIDEBANDS) {
-            carry(outer, [shaft.times(n), cage]);
+            carry(passage, [shaft.times(n), cage]);
         }
-        for m in side(&outer, OUTER_SIDEBANDS) {
-            carry(shaft, [outer.times(m), cage]);
+        for m in side(&passage, OUTER_SIDEBANDS) {
+            carry(shaft, [passage.times(m), cage]);
         }
         carry(ball, [shaft, cage_of_ball.times(k)]);
         if sources.odd_ball_orders {
@@ -279,15 +311,23 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         }
     }
     // The load zone has as many harmonics as there are balls; those beyond belong to the next passage.
-    let of_shaft = if sources.uneven_inner { SHAFT_SIDEBANDS.max(balls - 1) } else { SHAFT_SIDEBANDS };
+    let of_shaft = if sources.uneven_inner { SHAFT_SIDEBANDS.max(balls as i32 - 1) } else { SHAFT_SIDEBANDS };
     for n in side(&shaft, of_shaft) {
         carry(inner, [shaft.driven(sources.uneven_inner).times(n), cage]);
+    }
+    if outer_turns {
+        let is_uneven = sources.outer_ring == OuterRing::Turns { is_uneven: true };
+        let of_ring = if is_uneven { SHAFT_SIDEBANDS.max(balls as i32 - 1) } else { SHAFT_SIDEBANDS };
+        for n in side(&ring, of_ring) {
+            carry(outer, [ring.driven(is_uneven).times(n), cage]);
+        }
+        carry(ring, [shaft, cage]);
     }
     carry(cage, [shaft, outer]);
     for load in sources.loads.iter().map(|&frequency| term(LOAD, frequency, LOAD_WEIGHT)) {
         carry(load, [shaft, cage]);
         for k in side(&load, 1).filter(|k| *k != 0) {
-            carry(outer, [load.times(k), cage]);
+            carry(passage, [load.times(k), cage]);
         }
     }
     // A whirling cage drives the spindle round at its own rate, so it has precedence.
@@ -303,14 +343,15 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     // So do uneven balls, and uneven raceways at any combination of shaft and ball passages.
     let at = |of: &[Term; 3]| of.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
     let is_of_surface = |of: &[Term; 3]| {
-        let of_raceway = sources.uneven_raceways && of.iter().all(|term| term.name != CAGE || term.order == 0);
+        let is_of_raceway = |term: &Term| term.name != CAGE || term.order == 0 || sources.is_passage(term);
+        let of_raceway = sources.uneven_raceways && of.iter().all(is_of_raceway);
         (of[0].name == BALL || of_raceway) && (frequency - at(of)).abs() <= GOOD_FIT * tolerance
     };
     let surfaces_drive = found.iter().any(is_of_surface);
     let near = |whirl: &Term| {
         let is_near = usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
         // Passing balls move spindle and cage round at their own rate.
-        let is_passage = (whirl.frequency - outer.frequency).abs() <= tolerance;
+        let is_passage = (whirl.frequency - passage.frequency).abs() <= tolerance;
         is_near && !is_passage && !is_driven(whirl) && !(surfaces_drive && whirl.name == SPINDLE_WHIRL)
     };
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
@@ -350,6 +391,8 @@ mod tests {
         CharacteristicFrequencies {
             shaft,
             cage,
+            outer_ring: 0.0,
+            ball_pass: 7.0 * cage,
             ball_pass_outer: 7.0 * cage,
             ball_pass_inner: 7.0 * (shaft - cage),
             ball_spin: 1860.8,
@@ -363,6 +406,7 @@ mod tests {
             spindle_whirl: 0.0,
             uneven_inner: false,
             inner_orders: &[],
+            outer_ring: OuterRing::Stands,
             uneven_raceways: false,
             odd_ball_orders: false,
             unequal_balls: false,
@@ -442,6 +486,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft,
             cage: passage / 8.0,
+            outer_ring: 0.0,
+            ball_pass: passage,
             ball_pass_outer: passage,
             ball_pass_inner: 8.0 * shaft - passage,
             ball_spin: 0.0,
@@ -463,6 +509,8 @@ mod tests {
         let frequencies = CharacteristicFrequencies {
             shaft,
             cage,
+            outer_ring: 0.0,
+            ball_pass: 17.0 * cage,
             ball_pass_outer: 17.0 * cage,
             ball_pass_inner: 17.0 * (shaft - cage),
             ball_spin: 0.0,
@@ -491,6 +539,8 @@ mod tests {
         let motor = CharacteristicFrequencies {
             shaft: 29.95,
             cage: 11.938,
+            outer_ring: 0.0,
+            ball_pass: 107.442,
             ball_pass_outer: 107.442,
             ball_pass_inner: 162.108,
             ball_spin: 70.509,
@@ -592,6 +642,8 @@ mod tests {
         let of_twelve = CharacteristicFrequencies {
             shaft: 0.0,
             cage: 82.034,
+            outer_ring: 0.0,
+            ball_pass: 984.41,
             ball_pass_outer: 984.41,
             ball_pass_inner: 1415.6,
             ball_spin: 0.0,
@@ -606,6 +658,8 @@ mod tests {
         let slow = CharacteristicFrequencies {
             shaft: 30.0,
             cage: 12.0,
+            outer_ring: 0.0,
+            ball_pass: 108.0,
             ball_pass_outer: 108.0,
             ball_pass_inner: 162.0,
             ball_spin: 70.0,
@@ -615,6 +669,8 @@ mod tests {
         let standing = CharacteristicFrequencies {
             shaft: 0.0,
             cage: 0.0,
+            outer_ring: 0.0,
+            ball_pass: 0.0,
             ball_pass_outer: 0.0,
             ball_pass_inner: 0.0,
             ball_spin: 0.0,

@@ -23,7 +23,7 @@ use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::{InBand, Whirl};
 use crate::simulation::result::envelope_harmonics::EnvelopeHarmonics;
-use crate::simulation::result::lines::{Line, LineSources, find_lines};
+use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
 use crate::simulation::result::series::Series;
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.
@@ -205,30 +205,25 @@ pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
     let orbit_radius = recording.orbit_radius()?;
     let free_angle = kinematics::ideal_orbit_ratio(&scene.bearing);
     let turns = |speed: f64| speed / std::f64::consts::TAU;
-    let has_ideal = !scene.operation.speed.reverses();
+    let speeds = &recording.speeds;
+    let has_ideal = !scene.operation.rotation().reverses();
     Some(CageMetrics {
-        speed: turns(recording.cage_speed),
+        speed: turns(speeds.cage),
         slip: recording.cage_slip().filter(|_| has_ideal),
-        slip_free_angle: cage_slip(recording.cage_speed, recording.shaft_speed, free_angle).filter(|_| has_ideal),
-        ball_spin: turns(recording.ball_spin),
+        slip_free_angle: cage_slip(speeds.relative_cage, speeds.relative, free_angle).filter(|_| has_ideal),
+        ball_spin: turns(speeds.ball_spin),
         orbit_radius: 1e6 * orbit_radius,
         whirl_ratio: recording
             .whirl()
-            .filter(|_| recording.shaft_speed > 0.0)
-            .map(|whirl| recording.direction * whirl.rate() / recording.cage_speed),
+            .filter(|_| speeds.shaft.max(speeds.outer_ring) > 0.0)
+            .map(|whirl| recording.direction * whirl.rate() / speeds.cage),
         max_pocket_load: recording.max_pocket_load,
     })
 }
 
 /// Characteristic frequencies at the simulated speeds [Hz].
 pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
-    let turns = |speed: f64| speed / std::f64::consts::TAU;
-    kinematics::with_cage_speed(
-        &scene.bearing,
-        turns(recording.shaft_speed),
-        turns(recording.cage_speed),
-        turns(recording.ball_spin),
-    )
+    recording.speeds.in_turns().frequencies(&scene.bearing)
 }
 
 /// Frequencies of lines at the simulated speeds [Hz], with the spin of the balls that make lines: those with defects, else those with waves.
@@ -252,7 +247,7 @@ pub(crate) fn envelope_harmonics(
     settings: &RunSettings,
     accuracy: &AccuracyReport,
 ) -> Vec<(Channel, EnvelopeHarmonics)> {
-    if !settings.outputs.envelope_harmonics || !scene.operation.speed.is_constant() {
+    if !settings.outputs.envelope_harmonics || !scene.operation.has_constant_speeds() {
         return Vec::new();
     }
     let at = line_frequencies(scene, recording);
@@ -290,15 +285,16 @@ pub fn lines(
     if spectra.is_empty() {
         return Vec::new();
     }
-    let is_constant = scene.operation.speed.is_constant();
+    let is_constant = scene.operation.has_constant_speeds();
     let turns = |whirl: Option<Whirl>| whirl.map_or(0.0, |whirl| whirl.rate().abs() / std::f64::consts::TAU);
-    let loads: Vec<f64> = scene.operation.load_frequencies(recording.shaft_speed).collect();
+    let loads: Vec<f64> = scene.operation.load_frequencies(recording.speeds.shaft).collect();
     let sources = &LineSources {
         frequencies: marked(scene, &line_frequencies(scene, recording)),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
         uneven_inner: !scene.surfaces.raceway.inner.is_ideal(),
         inner_orders: &scene.surfaces.raceway.inner.given_orders(),
+        outer_ring: outer_ring(scene),
         uneven_raceways: !(scene.surfaces.raceway.inner.is_ideal() && scene.surfaces.raceway.outer.is_ideal()),
         odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
         unequal_balls: scene.has_unequal_balls(),
@@ -333,13 +329,25 @@ fn allowed_noise(spectrum: &Spectrum, error_db: f64) -> f64 {
     power.sqrt() * (10_f64.powf(error_db / 20.0) - 1.0)
 }
 
-/// Frequencies that can appear in a spectrum, others 0. Unbalance or the surface of its raceway mark the rotation of the inner ring, waves and
-/// defects that of a ball.
+/// Motion of the outer ring of a scene.
+pub(crate) fn outer_ring(scene: &Scene) -> OuterRing {
+    match scene.operation.rotation().outer_stands() {
+        true => OuterRing::Stands,
+        false => OuterRing::Turns { is_uneven: !scene.surfaces.raceway.outer.is_ideal() },
+    }
+}
+
+/// Frequencies that can appear in a spectrum, others 0. Unbalance or the surface of its raceway mark the rotation of the inner ring, the surface
+/// of its raceway that of the outer one, waves and defects that of a ball.
 fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
     let is_balanced = scene.spindle.unbalance_product(scene.operating_speed()) == 0.0;
     let ring = if is_balanced && scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { 1.0 };
     let ball = if scene.surfaces.have_uneven_balls() { 1.0 } else { 0.0 };
+    let turns = outer_ring(scene) != OuterRing::Stands;
+    let outer = if turns && scene.surfaces.raceway.outer.is_ideal() { 0.0 } else { 1.0 };
     CharacteristicFrequencies {
+        outer_ring: outer * frequencies.outer_ring,
+        ball_pass_outer: outer * frequencies.ball_pass_outer,
         shaft: ring * frequencies.shaft,
         ball_pass_inner: ring * frequencies.ball_pass_inner,
         ball_spin: ball * frequencies.ball_spin,

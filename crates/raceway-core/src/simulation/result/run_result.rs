@@ -62,7 +62,7 @@ impl RunResult {
             envelope_lines: lines(Spectra::Envelope),
             envelope_harmonics: metrics::envelope_harmonics(scene, recording, settings, &accuracy),
             resonances: match outputs.vibration && !scene.surfaces.are_ideal() {
-                true => contact_resonances(mechanism, scene.operating_speed()),
+                true => contact_resonances(mechanism, scene.operating_speeds()),
                 false => Vec::new(),
             },
             solver,

@@ -170,7 +170,7 @@ fn later_window(
 fn slow_numbers(scene: &Scene, terms: &ActiveTerms, level: ModelLevel) -> Vec<Quantity> {
     let is_tilt = |omitted: &LeftOut| omitted.term == Term::CageTilt.name() && omitted.by != Justification::Identity;
     let omits_tilt = level != ModelLevel::Full && terms.left_out.iter().any(is_tilt);
-    let all = [(Quantity::CageOrbit, omits_tilt), (Quantity::CageSpeed, scene.operation.speed.reverses())];
+    let all = [(Quantity::CageOrbit, omits_tilt), (Quantity::CageSpeed, scene.operation.rotation().reverses())];
     all.into_iter().filter(|(_, is_slow)| *is_slow).map(|(quantity, _)| quantity).collect()
 }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::numerics::ode::Method;
+use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics;
 use crate::simulation::error::codes::{Ineligible, NotEligible, NotEligibleReason};
 use crate::simulation::error::thresholds::{
@@ -143,7 +144,7 @@ fn no_reduced_model(scene: &Scene, settings: &RunSettings, terms: &ActiveTerms) 
         Some(Ineligible::TermOn)
     } else if terms.raceway.hydrodynamics {
         Some(Ineligible::Hydrodynamics)
-    } else if !scene.operation.speed.is_constant() {
+    } else if !scene.operation.has_constant_speeds() {
         Some(Ineligible::SpeedChanges)
     } else if !scene.operation.is_steady() {
         Some(Ineligible::LoadsChange)
@@ -167,12 +168,12 @@ pub fn tilt_risk(scene: &Scene) -> Option<Ineligible> {
 
 /// True if the lubricant is so viscous at this speed that cage and balls may tilt.
 pub fn may_tilt(scene: &Scene) -> bool {
-    can_tilt(scene) && scene.lubricant.viscosity > TILT_VISCOSITY * scene.operating_speed().abs()
+    can_tilt(scene) && scene.lubricant.viscosity > TILT_VISCOSITY * scene.operating_speeds().relative().abs()
 }
 
 /// True if cage and balls may begin to tilt late in a run.
 pub fn may_tilt_late(scene: &Scene) -> bool {
-    can_tilt(scene) && scene.lubricant.viscosity > LATE_TILT_VISCOSITY * scene.operating_speed().abs()
+    can_tilt(scene) && scene.lubricant.viscosity > LATE_TILT_VISCOSITY * scene.operating_speeds().relative().abs()
 }
 
 /// True if something moves the cage out of the plane: the seats of a crown, or a push at the start.
@@ -188,9 +189,9 @@ fn is_heavy_crown(scene: &Scene) -> bool {
         && (cage.mass > CROWN_MASS * balls || cage.offset.abs() > CROWN_OFFSET * bearing.parameters.ball_diameter)
 }
 
-/// Time from one ball passage to the next [s]; infinite at rest.
+/// Time from one ball passage under the load to the next [s]; infinite at rest.
 pub fn ball_passage(scene: &Scene) -> f64 {
-    let orbit = (kinematics::ideal_orbit_ratio(&scene.bearing) * scene.operating_speed()).abs();
+    let orbit = scene.operating_speeds().carried(kinematics::ideal_orbit_ratio(&scene.bearing)).abs();
     TAU / (scene.bearing.parameters.ball_count as f64 * orbit)
 }
 
@@ -203,13 +204,14 @@ pub fn representative_time(scene: &Scene) -> f64 {
     passages.max(turn_of_unequal_balls(scene)).max(longest_load_period(scene).min(most))
 }
 
-/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the shaft or of the cage that carries a defect
+/// Time after which the motion meets the same events again [s]: a ball passage, or a turn of the ring or of the cage that carries a defect
 /// through the load.
 pub fn longest_passage(scene: &Scene) -> f64 {
     let on = |has_defects: bool, turn: f64| if has_defects { turn } else { 0.0 };
     let shaft = on(scene.surfaces.raceway.inner.has_defects(), TAU / scene.operating_speed().abs());
+    let outer = turn_of_outer_ring(scene, scene.surfaces.raceway.outer.has_defects());
     let cage = on(scene.surfaces.balls_have_defects(), cage_turn(scene));
-    ball_passage(scene).max(shaft).max(cage)
+    ball_passage(scene).max(shaft).max(outer).max(cage)
 }
 
 /// Time of a turn of the cage [s]; infinite at rest.
@@ -222,15 +224,23 @@ pub fn window_times(scene: &Scene, settings: &RunSettings) -> (f64, f64) {
     let passage = longest_passage(scene);
     let share = WINDOW_RUN_SHARE * (settings.settle + settings.duration);
     let settle = share.clamp(MIN_WINDOW_SETTLE_S, WINDOW_SETTLE_S);
-    let turns = turn_of_inner_waves(scene).max(turn_of_unequal_balls(scene));
+    let turns = turn_of_waves(scene).max(turn_of_unequal_balls(scene));
     let window = share.clamp(MIN_WINDOW_S, WINDOW_S).max(turns).max(longest_load_period(scene));
     (passage.max(settle), (WINDOW_PASSAGES * passage).max(window))
 }
 
-/// Time in which every wave of the inner ring has passed the load, a turn of the shaft [s]; 0 on an ideal inner ring. Waves of the outer ring
-/// repeat with each ball passage.
-fn turn_of_inner_waves(scene: &Scene) -> f64 {
-    if scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() }
+/// Time in which every wave of rings that turn has passed the load [s]; 0 on ideal rings. Waves of an outer ring that stands repeat with each
+/// ball passage.
+fn turn_of_waves(scene: &Scene) -> f64 {
+    let PerRaceway { inner, outer } = &scene.surfaces.raceway;
+    let shaft = if inner.is_ideal() { 0.0 } else { TAU / scene.operating_speed().abs() };
+    shaft.max(turn_of_outer_ring(scene, !outer.is_ideal()))
+}
+
+/// Time of a turn of the outer ring [s]; 0 where it stands, or is not uneven.
+fn turn_of_outer_ring(scene: &Scene, is_uneven: bool) -> f64 {
+    let speed = scene.operation.outer_speed.largest();
+    if is_uneven && speed > 0.0 { TAU / speed } else { 0.0 }
 }
 
 /// Time in which every ball has passed the load, a turn of the cage [s]; 0 where all balls are alike and equally spaced.

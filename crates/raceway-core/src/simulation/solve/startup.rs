@@ -8,7 +8,7 @@ use crate::simulation::solve::eligibility;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::numerics::ode::{Method, Statistics};
-use crate::physics::kinematics;
+use crate::physics::kinematics::{self, RingSpeeds};
 use crate::simulation::input::control::{Control, Live, Phase};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
@@ -85,7 +85,7 @@ impl StaticSupport {
         };
         for position in 0..positions {
             mechanism.start = mechanism.start.turned(if position == 0 { 0.0 } else { step as f64 * halfway });
-            let rest = equilibrium(&mechanism, scene.operating_speed()).ok()?;
+            let rest = equilibrium(&mechanism, scene.operating_speeds()).ok()?;
             let [x, y, z] = rest.spindle;
             for (ball, load) in rest.loads.iter().enumerate() {
                 if load.inner <= 0.0 {
@@ -126,9 +126,10 @@ pub fn settling_time(scene: &Scene) -> Option<f64> {
     Some((SETTLED_EFOLDS / rest.decay).clamp(of_cage, MAX_SETTLE_S))
 }
 
-/// Time in which balls and cage settle [s], independent of the decay of the spindle's vibration.
+/// Time in which balls and cage settle [s], by turns of the cage relative to the outer ring, independent of the decay of the spindle's vibration.
 pub fn turning_time(scene: &Scene) -> f64 {
-    let turn = kinematics::ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
+    let turn = scene.operating_speeds().relative().abs() / std::f64::consts::TAU
+        * kinematics::ideal_orbit_ratio(&scene.bearing);
     if turn > 0.0 {
         (SETTLE_CAGE_TURNS / turn).clamp(CAGE_SETTLE_RANGE_S[0], CAGE_SETTLE_RANGE_S[1])
     } else {
@@ -158,7 +159,7 @@ impl StartupPhase {
             return Self::NOTHING;
         }
         let time = settle - turning.min(settle * (1.0 - AXIAL_SHARED));
-        let turns = mechanism.speed.at(0.0).1 != 0.0;
+        let turns = mechanism.rotation.speeds(0.0) != RingSpeeds::default();
         if mechanism.has_axial_motion_or_tilt()
             && turns
             && time >= LEAST_SHARED
@@ -258,6 +259,6 @@ fn cage_transient(scene: &Scene, terms: &ActiveTerms, settle: f64) -> Option<War
 /// Warning of free vibration of the spindle that may remain from the start.
 pub fn start_transient(scene: &Scene, settle: f64) -> Option<Warning> {
     let rate = decay_rate(scene).filter(|rate| settle * rate < MIN_DECAY_EFOLDS)?;
-    let constant_speed = scene.operation.speed.is_constant();
+    let constant_speed = scene.operation.has_constant_speeds();
     Some(Warning::StartTransient { time_constant: 1.0 / rate, settle, required: SETTLED_EFOLDS / rate, constant_speed })
 }

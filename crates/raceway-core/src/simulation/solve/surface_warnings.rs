@@ -133,7 +133,7 @@ fn rough_contact(scene: &Scene, raceway: &Raceway<'_>, balls: &[&AveragedBall]) 
 
 /// Spectra that do not separate lines that differ by the speed of the cage.
 fn merged_cage_lines(scene: &Scene, settings: &RunSettings) -> Option<Warning> {
-    let cage = ideal_frequencies(&scene.bearing, scene.operating_speed()).cage;
+    let cage = ideal_frequencies(&scene.bearing, scene.operating_speeds()).cage;
     let longest = settings.outputs.longest_window;
     let window = settings.duration.min(longest);
     let is_short = settings.outputs.have_spectra() && cage > 0.0 && cage * window < HANN_LINE_BINS;
@@ -146,7 +146,7 @@ fn missed_resonance(scene: &Scene, ideal: &Mechanism, settings: &RunSettings) ->
     if !settings.outputs.have_spectra() || directions.is_empty() {
         return None;
     }
-    let resonances = contact_resonances(ideal, scene.operating_speed());
+    let resonances = contact_resonances(ideal, scene.operating_speeds());
     let (low, high) = settings.outputs.envelope_band;
     let mut excited = directions.iter().filter_map(|direction| excited_along(&resonances, *direction));
     let resonance = excited.find(|excited| !(low..=high).contains(&excited.frequency))?;
@@ -161,7 +161,7 @@ fn struck_directions(scene: &Scene, ideal: &Mechanism) -> Vec<Vector> {
     let in_zone = outer.filter(|defect| ball_loads_at(ideal, scene, defect.azimuth).inner > 0.0);
     let mut found: Vec<Vector> = in_zone.map(|defect| [0.0, defect.azimuth.cos(), defect.azimuth.sin()]).collect();
     if surfaces.raceway.inner.has_defects() || surfaces.balls_have_defects() {
-        found.extend(equilibrium(ideal, scene.operating_speed()).ok().map(|rest| rest.spindle));
+        found.extend(equilibrium(ideal, scene.operating_speeds()).ok().map(|rest| rest.spindle));
     }
     found
 }

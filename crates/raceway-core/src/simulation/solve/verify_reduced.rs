@@ -1,5 +1,6 @@
 //! Verification of a reduced model: a window of a richer model, and finer steps.
 
+use crate::physics::kinematics::RingSpeeds;
 use crate::simulation::error::codes::{ErrorBasis, Gap, Ineligible};
 use crate::simulation::error::comparison::{Deviation, level_errors, quantity_errors, twice};
 use crate::simulation::error::convergence::error_of_counted_order;
@@ -93,7 +94,7 @@ pub(crate) fn by_richer_model(
             }
         }
     }
-    let turns = scene.operating_speed() != 0.0;
+    let turns = scene.operating_speeds() != RingSpeeds::default();
     let divergence = match or_failure(control.part((0.75, 1.0), |control| {
         let first = if is_condensed { &attempt.recording } else { &richer };
         let of = if is_condensed { &stepped } else { &short };
@@ -108,7 +109,7 @@ pub(crate) fn by_richer_model(
         Ok(divergence) => Some(divergence).filter(|_| turns),
         Err(_) => None,
     };
-    let unknown = if !scene.operation.speed.is_constant() {
+    let unknown = if !scene.operation.has_constant_speeds() {
         Some(Gap::SpeedChanges)
     } else if !scene.operation.is_steady() {
         Some(Gap::LoadsChange)
@@ -324,7 +325,8 @@ fn uncovered(
 
 /// Slow motions that continued after the window: slip of the cage, and drift of the balls in their pockets.
 fn slow_motion(window: &Recording, recording: &Recording, scene: &Scene) -> Option<Gap> {
-    let slipped = (recording.cage_speed - window.cage_speed).abs() / window.cage_speed.max(f64::MIN_POSITIVE);
+    let slipped =
+        (recording.speeds.cage - window.speeds.cage).abs() / window.speeds.relative_cage.max(f64::MIN_POSITIVE);
     let p = &scene.bearing.parameters;
     let spacing = 0.5 * std::f64::consts::TAU * p.pitch_diameter / p.ball_count as f64;
     let drift = window
@@ -378,7 +380,7 @@ fn leaving_plane(
 /// distance closer.
 fn shortening(scene: &Scene, model: &Model, sine: f64) -> Result<f64, SimulationError> {
     let mechanism = model.mechanism();
-    let loads = equilibrium(mechanism, mechanism.speed.at(0.0).1)?.loads;
+    let loads = equilibrium(mechanism, mechanism.rotation.speeds(0.0))?.loads;
     let load = loads.iter().fold(0.0, |most, load| f64::max(most, load.inner));
     let depth = |stiffness: f64| (load / stiffness).powf(2.0 / 3.0);
     let stiffness = mechanism.raceway.map(|contact| contact.hertz().stiffness);

@@ -8,7 +8,6 @@
 
 use std::f64::consts::PI;
 
-use super::border::Shaft;
 use super::contact_frame::ContactFrame;
 use super::equations::Dynamics;
 use super::one_ball::OneBall;
@@ -18,6 +17,7 @@ use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Vector, add, cross, dot, scale};
 use crate::physics::raceway::{OnBall, RelativeMotion};
 use crate::physics::surface::sphere::BallPose;
+use crate::simulation::model::mechanism::Rotations;
 use crate::simulation::model::state::{BallAttitude, BallState};
 
 /// A rotation as a quaternion: scalar and vector.
@@ -74,12 +74,6 @@ impl BallAttitude {
 }
 
 impl OneBall {
-    /// Turn of ideal rolling in the orbit frame [rad].
-    #[inline(always)]
-    pub(super) fn ideal_turn(&self, (angle, _, _): Shaft) -> f64 {
-        (self.spin_ratio - self.orbit_ratio) * angle
-    }
-
     /// Spin in the orbit frame less that of ideal rolling [rad/s].
     #[inline(always)]
     fn turning(&self, state: &BallState) -> Vector {
@@ -207,22 +201,22 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self,
         state: &BallState<Lanes>,
         attitude: &BallAttitude<Lanes>,
-        shaft: Shaft,
+        rotations: &Rotations,
     ) -> BallAttitude<Lanes> {
-        let ideal = Azimuth::new(self.one().ideal_turn(shaft));
+        let ideal = Azimuth::new(rotations.turn);
         self.instructions().run(Rates::<PLANAR> { one: self.one(), state, attitude, ideal })
     }
 
-    /// Attitudes of balls side by side after a time step. `states`, `shafts`: before and after it.
+    /// Attitudes of balls side by side after a time step. `states`, `rotations`: before and after it.
     #[inline(never)]
     pub(super) fn advanced_attitudes(
         &self,
         attitude: &BallAttitude<Lanes>,
         states: [&BallState<Lanes>; 2],
-        shafts: [Shaft; 2],
+        rotations: [&Rotations; 2],
         step: f64,
     ) -> BallAttitude<Lanes> {
-        let ideal = shafts.map(|shaft| self.one().ideal_turn(shaft));
+        let ideal = rotations.map(|rotations| rotations.turn);
         self.instructions().run(Advanced::<PLANAR> { one: self.one(), attitude, states, ideal, step })
     }
 
@@ -234,12 +228,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         attitude: Option<&[BallAttitude<Lanes>; 2]>,
         relative: &PerRaceway<RelativeMotion<Lanes>>,
         frames: &F::Several,
-        shaft: Shaft,
+        rotations: &Rotations,
     ) -> PerRaceway<OnBall<Lanes>> {
-        let inner = self.on_balls_at_inner::<F>(first, attitude, &relative.inner, frames, shaft);
+        let inner = self.on_balls_at_inner::<F>(first, attitude, &relative.inner, frames, rotations);
         let mut outer = OnBall::default();
         if let Some([attitude, _]) = attitude {
-            let poses = self.poses(first, attitude, shaft);
+            let poses = self.poses(first, attitude, rotations);
             let raceway = &self.mechanism().raceway.outer;
             outer = raceway.on_balls::<PLANAR>(first, &relative.outer, &poses, self.instructions());
         }
@@ -254,11 +248,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         attitude: Option<&[BallAttitude<Lanes>; 2]>,
         relative: &RelativeMotion<Lanes>,
         frames: &F::Several,
-        shaft: Shaft,
+        rotations: &Rotations,
     ) -> OnBall<Lanes> {
         let mut on_balls = OnBall::default();
         if let Some([attitude, _]) = attitude {
-            let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, shaft), frames);
+            let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, rotations), frames);
             let raceway = &self.mechanism().raceway.inner;
             on_balls = raceway.on_balls::<PLANAR>(first, relative, &poses, self.instructions());
         }
@@ -266,12 +260,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     }
 
     /// Poses of the balls from `first` on in the frames of the outer contacts, which are the orbit frames.
-    fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, shaft: Shaft) -> BallPose<Lanes> {
+    fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, rotations: &Rotations) -> BallPose<Lanes> {
         let mut at_start = <[Vector<Lanes>; 3]>::default();
         for (lane, ball) in self.mechanism().uneven_balls[first..].iter().take(LANES).enumerate() {
             at_start.put(lane, ball.axes);
         }
-        self.instructions().run(Poses::<PLANAR> { attitude, at_start, turn: self.one().ideal_turn(shaft) })
+        self.instructions().run(Poses::<PLANAR> { attitude, at_start, turn: rotations.turn })
     }
 
     /// Poses in the frames of the inner contacts of balls in some poses at the outer ones.

@@ -2,10 +2,8 @@
 
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::Azimuth;
+use crate::simulation::model::mechanism::Rotations;
 use crate::simulation::model::state::{CageState, SpindleState};
-
-/// Angle [rad], speed [rad/s] and acceleration [rad/s²] of the shaft.
-pub(super) type Shaft = (f64, f64, f64);
 
 /// State of cage and spindle at one time.
 #[derive(Debug, Clone, Copy)]
@@ -13,7 +11,7 @@ pub(super) struct Border {
     pub cage: CageState,
     pub pose: CagePose,
     pub spindle: SpindleState,
-    pub shaft: Shaft,
+    pub rotations: Rotations,
     /// [s]
     pub time: f64,
     /// Rate of the fading start-up damping [1/s]; else 0.

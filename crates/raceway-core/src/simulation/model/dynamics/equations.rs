@@ -4,7 +4,7 @@
 use std::array::from_fn;
 
 use super::ball_group::{BallLoads, Balls, Slopes};
-use super::border::{Border, CagePose, Shaft};
+use super::border::{Border, CagePose};
 use super::contact_frame::{ContactFrame, StraightFrame, TiltedAxis, TiltedFrame};
 use super::forces::{Reaction, Wrench};
 use super::one_ball::{OneBall, moment_on_inner, on_inner, on_pocket};
@@ -14,11 +14,12 @@ use crate::physics::ball::{BallMotion, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, length, scale};
+use crate::physics::operation::Turn;
 use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
 use crate::physics::spindle::unbalance_force;
 use crate::simulation::input::channel::BallContact;
-use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::mechanism::{Mechanism, Rotations};
 use crate::simulation::model::state::{BallAttitude, BallState, CageState, Layout, SpindleState};
 
 /// Displacement over the size of an entry, for difference quotients: small against the indentation of a contact, large
@@ -53,8 +54,6 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let displacements = one_ball.sizes().iter().map(|size| DISPLACEMENT * size).collect();
         let one = OneBall {
             pitch_radius: mechanism.pitch_radius,
-            orbit_ratio: mechanism.orbit_ratio,
-            spin_ratio: mechanism.spin_ratio,
             gravity: mechanism.gravity,
             axial_offset: mechanism.axial_offset,
             pocket_centre: [mechanism.cage.offset, mechanism.pitch_radius, 0.0],
@@ -138,7 +137,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             }
         }
         if let Some(contact) = &self.mechanism.neighbours {
-            self.add_neighbours(contact, (y, dy), border.shaft, |ball, load| {
+            self.add_neighbours(contact, (y, dy), &border.rotations, |ball, load| {
                 if let Some(watch) = watch.as_deref_mut() {
                     watch.neighbour(ball, load);
                 }
@@ -187,14 +186,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         (watch, mut slopes): (Option<&mut (dyn Watch + '_)>, Option<&mut Slopes<Lanes>>),
     ) {
         let m = &self.mechanism;
-        let (one, axis, Border { pose, spindle, shaft, .. }) = (self.one, *axis, *border);
+        let (one, axis, Border { pose, spindle, rotations, .. }) = (self.one, *axis, *border);
         let start: Lanes = Lanes::of(&m.start.angle, first);
         let mut relative: PerRaceway<RelativeMotion<Lanes>> = PerRaceway::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
-            let motion = one.motion(start[lane], &state.at(lane), shaft);
-            let (inner, frame) = one.over_inner::<F>(&motion, &spindle, shaft, &axis);
-            relative.outer.put(lane, one.over_outer(&motion));
+            let motion = one.motion(start[lane], &state.at(lane), &rotations);
+            let (inner, frame) = one.over_inner::<F>(&motion, &spindle, &rotations, &axis);
+            relative.outer.put(lane, one.over_outer(&motion, &rotations));
             relative.inner.put(lane, inner);
             frames.put(lane, frame);
             balls.motion.put(lane, motion);
@@ -203,14 +202,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         m.raceway.outer.place_in_groove(&mut relative.outer);
         m.raceway.inner.place_in_groove(&mut relative.inner);
         if let Some([attitude, rates]) = &mut balls.attitude {
-            *rates = self.attitude_rates(state, attitude, shaft);
+            *rates = self.attitude_rates(state, attitude, &rotations);
         }
         // Filled in only where balls differ from nominal spheres.
         let of_balls;
         let on_balls = match self.has_nominal_spheres() {
             true => None,
             false => {
-                of_balls = self.on_balls::<F>(first, balls.attitude.as_ref(), &relative, &frames, shaft);
+                of_balls = self.on_balls::<F>(first, balls.attitude.as_ref(), &relative, &frames, &rotations);
                 Some(&of_balls)
             }
         };
@@ -300,7 +299,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         bodies: impl Bodies,
         balls: &mut Balls,
     ) {
-        let (one, Border { pose, shaft, .. }) = (self.one, *border);
+        let (one, Border { pose, rotations, .. }) = (self.one, *border);
         for lane in 0..LANES {
             let motion = balls.motion.at(lane);
             let outer = loads.raceway.outer.at(lane);
@@ -314,7 +313,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             let outer = Wrench { force: outer.force, moment: outer.moment };
             let wrench = inner.and(outer).and(pocket).and(surroundings);
             balls.reaction.put(lane, Reaction { spindle, cage_force, cage_moment });
-            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.of(lane), wrench, shaft));
+            balls.rates.put(lane, one.rates(&state.at(lane), &motion, &bodies.of(lane), wrench, &rotations));
         }
     }
 
@@ -386,11 +385,11 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         border: &Border,
         axis: &F::Axis,
     ) -> InnerPart {
-        let (one, axis, Border { spindle, shaft, .. }) = (self.one, *axis, *border);
+        let (one, axis, Border { spindle, rotations, .. }) = (self.one, *axis, *border);
         let mut relative = RelativeMotion::<Lanes>::default();
         let mut frames = F::Several::default();
         for lane in 0..LANES {
-            let (inner, frame) = one.over_inner::<F>(&motion.at(lane), &spindle, shaft, &axis);
+            let (inner, frame) = one.over_inner::<F>(&motion.at(lane), &spindle, &rotations, &axis);
             relative.put(lane, inner);
             frames.put(lane, frame);
         }
@@ -401,7 +400,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let on_balls = match self.has_nominal_spheres() {
             true => None,
             false => {
-                of_balls = self.on_balls_at_inner::<F>(first, attitude.as_ref(), &relative, &frames, shaft);
+                of_balls = self.on_balls_at_inner::<F>(first, attitude.as_ref(), &relative, &frames, &rotations);
                 Some(&of_balls)
             }
         };
@@ -456,13 +455,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
 
     #[inline(always)]
     pub(super) fn border(&self, cage: CageState, spindle: SpindleState, time: f64) -> Border {
-        let shaft = self.mechanism.speed.at(time);
+        let rotations = self.mechanism.rotations(time);
         let damping = self.mechanism.damping.map_or(0.0, |damping| damping.at(time));
-        Border { pose: self.cage_pose(&cage, shaft), cage, spindle, shaft, time, damping }
+        Border { pose: self.cage_pose(&cage, &rotations), cage, spindle, rotations, time, damping }
     }
 
     #[inline(always)]
-    pub(super) fn cage_pose(&self, state: &CageState, (angle, speed, _): Shaft) -> CagePose {
+    pub(super) fn cage_pose(&self, state: &CageState, rotations: &Rotations) -> CagePose {
         let m = &self.mechanism;
         let [x, y, z] = state.centre;
         let [about_y, about_z] = state.tilt_rate;
@@ -472,15 +471,15 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 centre: [x - m.cage.offset, y, z],
                 velocity: state.velocity,
                 tilt: if PLANAR { Tilt::NONE } else { Tilt::new(state.tilt[0], state.tilt[1]) },
-                spin: [m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius, about_y, about_z],
+                spin: [m.orbit_speed(rotations, state.arc_velocity), about_y, about_z],
             },
-            azimuth: Azimuth::new(m.orbit_ratio * angle + state.arc / m.pitch_radius),
+            azimuth: Azimuth::new(rotations.orbit.angle + state.arc / m.pitch_radius),
         }
     }
 
     #[inline(always)]
     pub(super) fn cage_rates(&self, border: &Border, reaction: &Reaction) -> CageState {
-        let Border { cage: state, pose, shaft: (_, _, acceleration), damping, .. } = border;
+        let Border { cage: state, pose, rotations, damping, .. } = border;
         let m = &self.mechanism;
         if !m.layout.cage {
             return CageState::default();
@@ -488,7 +487,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let mut force = pose.motion.tilt.to_inertial(reaction.cage_force);
         let mut moment = reaction.cage_moment;
         if let Some(land) = &m.land {
-            let (land_force, braking) = land.load(pose.motion.centre, pose.motion.spin[0]);
+            let (land_force, braking) = land.load(pose.motion.centre, pose.motion.spin[0], rotations.outer.speed);
             force = add(force, land_force);
             moment[0] += braking;
         }
@@ -505,7 +504,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             arc: state.arc_velocity - m.pitch_radius * about_y * tilt.tangent_about_z(),
             tilt: [about_y / tilt.cosine_about_z(), about_z],
             velocity: rates.linear,
-            arc_velocity: m.pitch_radius * (rates.angular[0] - m.orbit_ratio * acceleration),
+            arc_velocity: m.pitch_radius * (rates.angular[0] - rotations.orbit.acceleration),
             tilt_rate: [rates.angular[1], rates.angular[2]],
         }
     }
@@ -541,7 +540,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     /// follows the tilted axis.
     #[inline(always)]
     pub(super) fn spindle_rates(&self, border: &Border, reaction: Vector, moment: Vector) -> SpindleState {
-        let &Border { spindle: state, shaft: (angle, speed, acceleration), time, damping, .. } = border;
+        let &Border { spindle: state, rotations, time, damping, .. } = border;
+        let Turn { angle, speed, acceleration } = rotations.inner;
         let m = &self.mechanism;
         let mut force = add(m.load, reaction);
         force[1] += m.spindle_mass * m.gravity;

@@ -156,7 +156,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
 
         if let Some(contact) = &self.mechanism().neighbours {
-            self.add_neighbour_blocks(contact, state, at_rest.shaft, jacobian);
+            self.add_neighbour_blocks(contact, state, &at_rest.rotations, jacobian);
         }
         let before = self.border_rates(&at_rest, &sum);
         let corner = jacobian.corner_mut();

@@ -1,13 +1,13 @@
 //! Contact of neighbouring balls where no cage keeps them apart. Equal and opposite forces act on both, which is added to
 //! rates that know each ball alone.
 
-use super::border::Shaft;
 use super::equations::Dynamics;
 use super::forces::Wrench;
 use crate::numerics::ode::structure::Jacobian;
 use crate::physics::ball::BallMotion;
 use crate::physics::frames::{add, subtract};
 use crate::physics::neighbour::{NeighbourContact, NeighbourLoad, NeighbourMotion};
+use crate::simulation::model::mechanism::Rotations;
 use crate::simulation::model::state::BallState;
 
 /// Load of the second ball on the first; `oversize`: sum of their radii less twice the nominal one [m].
@@ -26,8 +26,8 @@ fn load(contact: &NeighbourContact, first: &BallMotion, second: &BallMotion, ove
 
 impl<const PLANAR: bool> Dynamics<PLANAR> {
     #[inline(always)]
-    fn ball_motion(&self, y: &[f64], ball: usize, shaft: Shaft) -> BallMotion {
-        self.one().motion(self.mechanism().start.angle[ball], &self.layout().ball(y, ball), shaft)
+    fn ball_motion(&self, y: &[f64], ball: usize, rotations: &Rotations) -> BallMotion {
+        self.one().motion(self.mechanism().start.angle[ball], &self.layout().ball(y, ball), rotations)
     }
 
     /// Adds the contacts of neighbouring balls to the rates of all balls, and passes the load of each ball's next one to `seen`. A pair of
@@ -37,16 +37,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self,
         contact: &NeighbourContact,
         (y, dy): (&[f64], &mut [f64]),
-        shaft: Shaft,
+        rotations: &Rotations,
         mut seen: impl FnMut(usize, &NeighbourLoad),
     ) {
         let (one, layout) = (*self.one(), self.layout());
         let last = layout.balls - 1;
-        let first = self.ball_motion(y, 0, shaft);
+        let first = self.ball_motion(y, 0, rotations);
         let mut ball = first;
         for index in 0..if last == 1 { 1 } else { layout.balls } {
             let next_index = if index == last { 0 } else { index + 1 };
-            let next = if index == last { first } else { self.ball_motion(y, next_index, shaft) };
+            let next = if index == last { first } else { self.ball_motion(y, next_index, rotations) };
             let load = load(contact, &ball, &next, self.mechanism().sum_of_oversizes(index, next_index));
             if load.normal > 0.0 {
                 for (index, motion, side) in [(index, &ball, 1.0), (next_index, &next, -1.0)] {
@@ -69,12 +69,12 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         &self,
         contact: &NeighbourContact,
         y: &[f64],
-        shaft: Shaft,
+        rotations: &Rotations,
         jacobian: &mut Jacobian,
     ) {
         let (one, layout) = (*self.one(), self.layout());
         let (balls, motion) = (layout.balls, layout.motion_size());
-        let motions: Vec<BallMotion> = (0..balls).map(|ball| self.ball_motion(y, ball, shaft)).collect();
+        let motions: Vec<BallMotion> = (0..balls).map(|ball| self.ball_motion(y, ball, rotations)).collect();
         for ball in 0..balls {
             let body = self.mechanism().body(ball);
             let (before, after) = ((ball + balls - 1) % balls, (ball + 1) % balls);
@@ -96,7 +96,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 let mut entries = own;
                 entries[column] += by;
                 let state = BallState::from_entries(entries, PLANAR);
-                let displaced = loads(&one.motion(self.mechanism().start.angle[ball], &state, shaft));
+                let displaced = loads(&one.motion(self.mechanism().start.angle[ball], &state, rotations));
                 for row in 0..motion {
                     *jacobian.blocks.entry_mut(ball, row, column) += (displaced[row] - undisplaced[row]) / by;
                 }

@@ -1,6 +1,6 @@
 //! Constants and formulas of one ball between its raceways and in its pocket.
 
-use super::border::{CagePose, Shaft};
+use super::border::CagePose;
 use super::contact_frame::ContactFrame;
 use super::forces::Wrench;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide};
@@ -9,6 +9,7 @@ use crate::physics::cage::CageMotion;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, scale, subtract};
 use crate::physics::pocket::{PocketLoad, PocketMotion};
 use crate::physics::raceway::{RacewayLoad, RelativeMotion};
+use crate::simulation::model::mechanism::Rotations;
 use crate::simulation::model::state::{BallState, SpindleState};
 
 /// Constants of one ball, and its formulas. Each loop over balls has its own copy, so that the compiler knows that no store in the
@@ -16,8 +17,6 @@ use crate::simulation::model::state::{BallState, SpindleState};
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OneBall {
     pub pitch_radius: f64,
-    pub orbit_ratio: f64,
-    pub spin_ratio: f64,
     pub gravity: f64,
     /// A nominal ball.
     pub body: BallBody,
@@ -29,11 +28,11 @@ pub(super) struct OneBall {
 
 impl OneBall {
     #[inline(always)]
-    pub(super) fn motion(&self, start: f64, state: &BallState, (angle, speed, _): Shaft) -> BallMotion {
+    pub(super) fn motion(&self, start: f64, state: &BallState, rotations: &Rotations) -> BallMotion {
         let per_radius = 1.0 / self.pitch_radius;
-        let azimuth = start + self.orbit_ratio * angle + state.arc * per_radius;
+        let azimuth = start + rotations.orbit.angle + state.arc * per_radius;
         let radius = self.pitch_radius + state.radial;
-        let orbit_speed = self.orbit_ratio * speed + state.arc_velocity * per_radius;
+        let orbit_speed = rotations.orbit.speed + state.arc_velocity * per_radius;
         BallMotion {
             azimuth_angle: azimuth,
             azimuth: Azimuth::new(azimuth),
@@ -41,21 +40,21 @@ impl OneBall {
             radius,
             orbit_speed,
             velocity: [state.axial_velocity, state.radial_velocity, radius * orbit_speed],
-            spin: [state.spin[0] + self.spin_ratio * speed, state.spin[1], state.spin[2]],
+            spin: [state.spin[0] + rotations.spin.speed, state.spin[1], state.spin[2]],
         }
     }
 
     /// Motion relative to the outer raceway.
     #[inline(always)]
-    pub(crate) fn over_outer(&self, motion: &BallMotion) -> RelativeMotion {
+    pub(crate) fn over_outer(&self, motion: &BallMotion, rotations: &Rotations) -> RelativeMotion {
         RelativeMotion {
             axial: motion.axial,
             radius: motion.radius,
             velocity: motion.velocity,
             spin: motion.spin,
-            raceway_speed: 0.0,
+            raceway_speed: rotations.outer.speed,
             orbit_speed: motion.orbit_speed,
-            azimuth: motion.azimuth_angle,
+            azimuth: motion.azimuth_angle - rotations.outer.angle,
         }
     }
 
@@ -65,7 +64,7 @@ impl OneBall {
         &self,
         motion: &BallMotion,
         spindle: &SpindleState,
-        (angle, speed, _): Shaft,
+        rotations: &Rotations,
         axis: &F::Axis,
     ) -> (RelativeMotion, F) {
         let [x, y, z] = spindle.position;
@@ -80,9 +79,9 @@ impl OneBall {
             radius,
             velocity: frame.components(subtract(subtract(motion.velocity, velocity), carried)),
             spin: frame.components(subtract(motion.spin, tilting)),
-            raceway_speed: speed,
+            raceway_speed: rotations.inner.speed,
             orbit_speed: motion.orbit_speed,
-            azimuth: motion.azimuth_angle - angle,
+            azimuth: motion.azimuth_angle - rotations.inner.angle,
         };
         (relative, frame)
     }
@@ -113,7 +112,7 @@ impl OneBall {
         motion: &BallMotion,
         body: &BallBody,
         wrench: Wrench,
-        (_, _, acceleration): Shaft,
+        rotations: &Rotations,
     ) -> BallState {
         let Azimuth { cosine, sine } = motion.azimuth;
         let weight = body.mass * self.gravity;
@@ -125,8 +124,8 @@ impl OneBall {
             arc: state.arc_velocity,
             axial_velocity: axial,
             radial_velocity: radial,
-            arc_velocity: self.pitch_radius * (azimuthal - self.orbit_ratio * acceleration),
-            spin: [spin[0] - self.spin_ratio * acceleration, spin[1], spin[2]],
+            arc_velocity: self.pitch_radius * (azimuthal - rotations.orbit.acceleration),
+            spin: [spin[0] - rotations.spin.acceleration, spin[1], spin[2]],
         }
     }
 

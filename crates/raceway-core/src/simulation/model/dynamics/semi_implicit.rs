@@ -125,10 +125,10 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let layout = dynamics.mechanism().layout;
         let groups = (0..layout.balls).step_by(LANES);
         let balls: Vec<_> = groups.clone().map(|first| layout.side_by_side::<PLANAR>(state, first)).collect();
-        let shaft = dynamics.mechanism().speed.at(time);
+        let rotations = dynamics.mechanism().rotations(time);
         let attitudes = groups.filter(|_| layout.attitude).zip(&balls).map(|(first, balls)| {
             let attitudes = layout.attitudes(state, first);
-            [attitudes, dynamics.attitude_rates(balls, &attitudes, shaft)]
+            [attitudes, dynamics.attitude_rates(balls, &attitudes, &rotations)]
         });
         let node = Box::new(Node {
             attitudes: attitudes.collect(),
@@ -323,7 +323,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             }
             self.neighbour_rates.fill(0.0);
             let (states, touching) = ((&self.predicted[..], &mut self.neighbour_rates[..]), &mut self.touching);
-            dynamics.add_neighbours(contact, states, border.shaft, |ball, load| {
+            dynamics.add_neighbours(contact, states, &border.rotations, |ball, load| {
                 if load.penetration > 0.0 {
                     *touching = Some(ball);
                 }
@@ -338,9 +338,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         for group in 0..now.balls.len() {
             let first = group * LANES;
             let (past, predicted) = formula.predicted_balls(&now.balls[group], &before.balls[group], share);
-            let shafts = [dynamics.mechanism().speed.at(before_step), border.shaft];
+            let rotations = [&dynamics.mechanism().rotations(before_step), &border.rotations];
             if let Some([attitude, _]) = now.attitudes.get(group) {
-                let advanced = dynamics.advanced_attitudes(attitude, [&now.balls[group], &predicted], shafts, h);
+                let advanced = dynamics.advanced_attitudes(attitude, [&now.balls[group], &predicted], rotations, h);
                 balls.attitude = Some([advanced, BallAttitude::default()]);
             }
             dynamics.balls(first, &predicted, &border, balls, None, Some(slopes));
@@ -354,8 +354,9 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             (new.balls[group], new.rates[group]) = (corrected.state, corrected.rates);
             if let Some([attitude, _]) = now.attitudes.get(group) {
                 let states = [&now.balls[group], &corrected.state];
-                let attitude = dynamics.advanced_attitudes(attitude, states, shafts, h);
-                new.attitudes[group] = [attitude, dynamics.attitude_rates(&corrected.state, &attitude, border.shaft)];
+                let attitude = dynamics.advanced_attitudes(attitude, states, rotations, h);
+                new.attitudes[group] =
+                    [attitude, dynamics.attitude_rates(&corrected.state, &attitude, &border.rotations)];
             }
             corrected.loads.put_into(&mut self.step_loads, group);
             balls.reaction.sum_into(&mut sum, layout.balls - first);

@@ -6,6 +6,7 @@ use crate::numerics::bordered::Bordered;
 use crate::numerics::minimum::{Potential, Search, Slopes};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, scale, subtract, turn_about};
+use crate::physics::kinematics::RingSpeeds;
 use crate::physics::raceway::RacewayContact;
 use crate::physics::statics::{FIRST_STEP, MAX_RELATIVE_DEPTH};
 use crate::simulation::model::failure::SimulationError;
@@ -26,9 +27,9 @@ pub struct Equilibrium {
     pub angles: Vec<PerRaceway<(f64, f64)>>,
 }
 
-/// Minimum of the potential at a spindle speed [rad/s], balls at their start azimuths on the ideal orbit.
-pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, SimulationError> {
-    let potential = RacewayPotential::new(mechanism, speed);
+/// Minimum of the potential at speeds of the rings [rad/s], balls at their start azimuths on the ideal orbit.
+pub fn equilibrium(mechanism: &Mechanism, speeds: impl Into<RingSpeeds>) -> Result<Equilibrium, SimulationError> {
+    let potential = RacewayPotential::new(mechanism, speeds.into());
     let rest = potential.at(&potential.minimum()?);
     let raceway = &mechanism.raceway;
     for load in &rest.loads {
@@ -42,10 +43,13 @@ pub fn equilibrium(mechanism: &Mechanism, speed: f64) -> Result<Equilibrium, Sim
     Ok(rest)
 }
 
-/// Stiffness of the spindle on its balls about the equilibrium at a spindle speed [rad/s], along X, Y, Z [N/m]. Balls follow the spindle without
+/// Stiffness of the spindle on its balls about the equilibrium at speeds of the rings [rad/s], along X, Y, Z [N/m]. Balls follow the spindle without
 /// inertia, and the spindle does not tilt. Held directions are 0.
-pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f64>, SimulationError> {
-    let potential = RacewayPotential::new(mechanism, speed);
+pub fn spindle_stiffness(
+    mechanism: &Mechanism,
+    speeds: impl Into<RingSpeeds>,
+) -> Result<Matrix3<f64>, SimulationError> {
+    let potential = RacewayPotential::new(mechanism, speeds.into());
     let condensed = potential.slopes(&potential.minimum()?).hessian.condensed();
     let mut stiffness = Matrix3::zeros();
     let translations = || potential.free.iter().enumerate().filter(|(_, freedom)| **freedom < 3);
@@ -57,15 +61,15 @@ pub fn spindle_stiffness(mechanism: &Mechanism, speed: f64) -> Result<Matrix3<f6
     Ok(stiffness)
 }
 
-/// Equilibrium of the balls at a pose of the inner ring, x, y, z and tilts about Y and the new Z, and a spindle speed [rad/s]. `force`: size
+/// Equilibrium of the balls at a pose of the inner ring, x, y, z and tilts about Y and the new Z, and speeds of the rings [rad/s]. `force`: size
 /// of the loads on the ring [N].
 pub(crate) fn on_ring(
     mechanism: &Mechanism,
-    speed: f64,
+    speeds: RingSpeeds,
     pose: [f64; DIRECTIONS],
     force: f64,
 ) -> Result<Equilibrium, SimulationError> {
-    let potential = RacewayPotential { free: &[], held: pose, force, ..RacewayPotential::new(mechanism, speed) };
+    let potential = RacewayPotential { free: &[], held: pose, force, ..RacewayPotential::new(mechanism, speeds) };
     Ok(potential.at(&potential.minimum()?))
 }
 
@@ -104,7 +108,7 @@ struct Touch {
 }
 
 impl<'a> RacewayPotential<'a> {
-    fn new(mechanism: &'a Mechanism, speed: f64) -> Self {
+    fn new(mechanism: &'a Mechanism, speeds: RingSpeeds) -> Self {
         let balls = mechanism.layout.balls;
         let [about_y, about_z] = mechanism.misalignment;
         let [x, y, z, about_y_force, about_z_force] = spindle_force(mechanism);
@@ -113,7 +117,7 @@ impl<'a> RacewayPotential<'a> {
             held: [mechanism.axial_offset, 0.0, 0.0, about_y, about_z],
             force: dot([x, y, z], [x, y, z]).sqrt() + tilting,
             mechanism,
-            orbit_speed: mechanism.orbit_ratio * speed,
+            orbit_speed: speeds.carried(mechanism.orbit_ratio),
             azimuths: mechanism.start.angle[..balls].iter().map(|angle| Azimuth::new(*angle)).collect(),
             free: mechanism.layout.freedoms(),
         }

@@ -38,6 +38,7 @@ pub(super) struct CageMoments {
     pub speed: Moments,
     /// Speed of the shaft [rad/s].
     pub shaft: Moments,
+    pub outer_ring: Moments,
     pub rolling: LoadedRolling,
     pub y: Moments,
     pub z: Moments,

@@ -8,9 +8,10 @@ use crate::numerics::ode::Integrator;
 use crate::numerics::ode::Method;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Vector, dot, length};
-use crate::physics::kinematics::LoadedBall;
+use crate::physics::kinematics::{BodySpeeds, LoadedBall, RingSpeeds};
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::mechanism::direction;
 use crate::simulation::model::step_loads::{PackedStepLoads, StepLoads};
 use crate::simulation::model::surface_sites::SiteObserver;
 use crate::simulation::model::system::Model;
@@ -73,6 +74,7 @@ pub struct Observer<'m> {
     between: Vec<f64>,
     loads: Option<BallLoadRecorder>,
     shaft: Moments,
+    outer_ring: Moments,
     cage: Moments,
     spin: Moments,
     /// `None` where all balls are spheres.
@@ -142,6 +144,7 @@ impl<'m> Observer<'m> {
             loads: (settings.outputs.contacts && settings.outputs.keep_signals())
                 .then(|| BallLoadRecorder::new(values, model.mechanism().steady_orbit_speed())),
             shaft: Moments::default(),
+            outer_ring: Moments::default(),
             cage: Moments::default(),
             spin: Moments::default(),
             slips: settings.outputs.cage,
@@ -294,7 +297,7 @@ impl<'m> Observer<'m> {
     fn observe_tracks(&mut self, time: f64) {
         let m = self.model.mechanism();
         let Some(tracks) = self.tracks.as_mut().filter(|_| !m.layout.planar) else { return };
-        let ideal = Azimuth::new((m.spin_ratio - m.orbit_ratio) * m.speed.at(time).0);
+        let ideal = Azimuth::new(m.rotations(time).turn);
         for (ball, uneven) in m.uneven_balls.iter().enumerate() {
             let [pole, ..] = m.layout.attitude(&self.state, ball).axes(&uneven.axes, ideal, false);
             let PerRaceway { inner, outer } = self.snapshot.angle[ball];
@@ -308,10 +311,10 @@ impl<'m> Observer<'m> {
     fn observe_sites(&mut self, time: f64) {
         let (m, state, snapshot) = (self.model.mechanism(), &self.state, &self.snapshot);
         let Some(sites) = &mut self.sites else { return };
-        let (angle, _, _) = m.speed.at(time);
-        sites.observe(time, angle, |ball| {
-            let arc = m.layout.ball(state, ball).arc;
-            let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius;
+        let rotations = m.rotations(time);
+        let rings = PerRaceway { inner: rotations.inner.angle, outer: rotations.outer.angle };
+        sites.observe(time, rings, |ball| {
+            let azimuth = m.azimuth(ball, &rotations, m.layout.ball(state, ball).arc);
             (azimuth, PerRaceway { inner: snapshot.inner[ball], outer: snapshot.outer[ball] })
         });
     }
@@ -347,10 +350,10 @@ impl<'m> Observer<'m> {
         }
     }
 
-    /// Adds the speeds of shaft, cage and balls to the moments, and returns the cage speed [rad/s].
+    /// Adds the speeds of rings, cage and balls to the moments, and returns the cage speed [rad/s].
     fn gather_speeds(&mut self, time: f64) -> f64 {
         let m = self.model.mechanism();
-        let (_, speed, _) = m.speed.at(time);
+        let rotations = m.rotations(time);
         // A copy, so that the compiler knows that no store in the loop changes it.
         let layout = m.layout;
         let balls = layout.balls;
@@ -359,7 +362,7 @@ impl<'m> Observer<'m> {
             let state = layout.ball(&self.state, ball);
             orbit += state.arc_velocity / balls as f64;
             // Spin in the orbit frame, about the axis that the contact angle tilts.
-            let about_x = (m.spin_ratio - m.orbit_ratio) * speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
+            let about_x = rotations.turn_speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
             if self.slips {
                 let loaded = LoadedBall {
                     orbit_radius: m.pitch_radius + state.radial,
@@ -377,9 +380,14 @@ impl<'m> Observer<'m> {
         }
         // Without a cage the mean orbit speed of the balls replaces its speed.
         let arc_velocity = if m.layout.cage { m.layout.cage(&self.state).arc_velocity } else { orbit };
-        self.shaft.add(speed);
-        self.part_cage.shaft.add(speed);
-        let cage_speed = m.orbit_ratio * speed + arc_velocity / m.pitch_radius;
+        for (whole, part, ring) in [
+            (&mut self.shaft, &mut self.part_cage.shaft, rotations.inner),
+            (&mut self.outer_ring, &mut self.part_cage.outer_ring, rotations.outer),
+        ] {
+            whole.add(ring.speed);
+            part.add(ring.speed);
+        }
+        let cage_speed = m.orbit_speed(&rotations, arc_velocity);
         self.cage.add(cage_speed);
         self.spin.add(spin);
         cage_speed
@@ -387,16 +395,16 @@ impl<'m> Observer<'m> {
 
     fn pick(&mut self, time: f64) {
         let m = self.model.mechanism();
-        let (_, speed, _) = m.speed.at(time);
+        let rotations = m.rotations(time);
         let (cage, spindle) = (m.layout.cage(&self.state), m.layout.spindle(&self.state));
         for (value, channel) in self.pick.iter_mut().zip(&self.channels) {
             *value = match *channel {
                 Channel::CageDisplacement(axis) => cage.centre[axis as usize],
-                Channel::CageSpeed => m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius,
+                Channel::CageSpeed => m.orbit_speed(&rotations, cage.arc_velocity),
                 Channel::BallSpin(ball) => {
                     let state = m.layout.ball(&self.state, ball);
-                    let orbit = m.orbit_ratio * speed + state.arc_velocity / m.pitch_radius;
-                    m.spin_ratio * speed + state.spin[0] - orbit
+                    let orbit = m.orbit_speed(&rotations, state.arc_velocity);
+                    rotations.spin.speed + state.spin[0] - orbit
                 }
                 Channel::BallLoad(ball, BallContact::Inner) => self.snapshot.inner[ball],
                 Channel::BallLoad(ball, BallContact::Outer) => self.snapshot.outer[ball],
@@ -410,10 +418,12 @@ impl<'m> Observer<'m> {
     fn end_part(&mut self) {
         let (peaks, cage) = (std::mem::take(&mut self.snapshot.peaks), std::mem::take(&mut self.part_cage));
         self.rolling.join(cage.rolling);
-        let slip = |orbit_ratio| cage_slip(cage.speed.mean().abs(), cage.shaft.mean().abs(), orbit_ratio);
+        let rings = RingSpeeds { inner: cage.shaft.mean(), outer: cage.outer_ring.mean() };
+        let speeds = BodySpeeds::new(rings, cage.speed.mean(), 0.0);
+        let slip = |orbit_ratio| cage_slip(speeds.relative_cage, speeds.relative, orbit_ratio);
         self.parts.push(Quantities {
             max_load: peaks.load,
-            cage_speed: cage.speed.mean().abs(),
+            cage_speed: speeds.cage,
             out_of_plane: peaks.out_of_plane,
             max_pocket_load: peaks.pocket_load,
             max_slip: peaks.slip_square.map(|square| square.sqrt()),
@@ -425,9 +435,8 @@ impl<'m> Observer<'m> {
     /// Azimuth [rad], inner and outer load [N] of the first ball.
     fn first_ball_loads(&self, time: f64) -> [f64; FIRST_BALL_VALUES] {
         let (m, snapshot) = (self.model.mechanism(), &self.snapshot);
-        let (angle, _, _) = m.speed.at(time);
-        let arc = m.layout.ball(&self.state, 0).arc;
-        [m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius, snapshot.inner[0], snapshot.outer[0]]
+        let azimuth = m.azimuth(0, &m.rotations(time), m.layout.ball(&self.state, 0).arc);
+        [azimuth, snapshot.inner[0], snapshot.outer[0]]
     }
 
     fn keep_loads(&mut self, [azimuth, inner, outer]: [f64; FIRST_BALL_VALUES]) {
@@ -451,6 +460,7 @@ impl<'m> Observer<'m> {
         let (picked, whirl) = self.picked.finish();
         let largest = |of: fn(&Quantities) -> f64| self.parts.iter().map(of).fold(0.0, f64::max);
         let off = self.sites.as_ref().and_then(SiteObserver::off_shares);
+        let rings = RingSpeeds { inner: self.shaft.mean(), outer: self.outer_ring.mean() };
         Recording {
             start: self.start,
             signals: spindle.into_iter().chain(picked).collect(),
@@ -471,11 +481,9 @@ impl<'m> Observer<'m> {
                     .extremes(largest(|part| part.max_slip.outer), off.map(|off| off.outer)),
             },
             max_pocket_load: largest(|part| part.max_pocket_load),
-            direction: if self.shaft.mean() < 0.0 { -1.0 } else { 1.0 },
-            shaft_speed: self.shaft.mean().abs(),
-            cage_speed: self.cage.mean().abs(),
+            direction: direction(rings, self.model.mechanism()),
+            speeds: BodySpeeds::new(rings, self.cage.mean(), self.spin.mean()),
             loaded_orbit_ratio: self.rolling.mean(),
-            ball_spin: self.spin.mean(),
             tracks: self.tracks.map(BallTracks::finish).unwrap_or_default(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),

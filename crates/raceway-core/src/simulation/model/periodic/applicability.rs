@@ -8,7 +8,9 @@ use crate::simulation::model::terms::ActiveTerms;
 
 /// Reason why a scene has no motion that repeats with every ball, or cannot show its outputs; `None`: it may have one.
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
-    let reason = if scene.surfaces.have_defects() {
+    let reason = if !scene.operation.rotation().outer_stands() {
+        Inapplicable::OuterRingTurns
+    } else if scene.surfaces.have_defects() {
         Inapplicable::Defects
     } else if scene.surfaces.have_axial_waves() {
         Inapplicable::AxialWaves

@@ -13,7 +13,9 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
     let term_on = |term| scene.terms.get(term) == TermChoice::On;
     let along_x =
         |channel: &Channel| matches!(channel, Channel::Spindle(Axis::X, _) | Channel::CageDisplacement(Axis::X));
-    if scene.surfaces.balls_have_defects() {
+    if !scene.operation.rotation().outer_stands() {
+        Some(Inapplicable::OuterRingTurns)
+    } else if scene.surfaces.balls_have_defects() {
         Some(Inapplicable::BallDefects)
     } else if scene.surfaces.push_along_axis() {
         Some(Inapplicable::DefectBesideBottom)

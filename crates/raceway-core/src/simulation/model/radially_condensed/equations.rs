@@ -124,9 +124,9 @@ impl RadiallyCondensed {
         (m.wave_frequency, m.defect_step) = (surfaced.wave_frequency, surfaced.defect_step);
         m.sites = surfaced.sites.clone();
         let balls = m.layout.balls;
-        let rest = equilibrium(&surfaced, m.speed.at(0.0).1)?;
+        let rest = equilibrium(&surfaced, m.rotation.inner.at(0.0).1)?;
         let heaviest = match surfaced.under_largest_loads() {
-            Some(heaviest) => equilibrium(&heaviest, m.speed.at(0.0).1)?,
+            Some(heaviest) => equilibrium(&heaviest, m.rotation.inner.at(0.0).1)?,
             None => rest.clone(),
         };
         let largest = heaviest.loads.iter().fold(0.0, |most, load| f64::max(most, f64::max(load.inner, load.outer)));
@@ -224,8 +224,8 @@ impl RadiallyCondensed {
         let (m, radius) = (&model.mechanism, 0.5 * scene.bearing.parameters.ball_diameter);
         model.traction_rate =
             largest * (steepest.inner + steepest.outer) * (1.0 / m.ball_mass + radius * radius / m.ball_inertia);
-        if model.mechanism.speed.is_constant() {
-            let speed = model.mechanism.speed.at(0.0).1;
+        if model.mechanism.rotation.inner.is_constant() {
+            let speed = model.mechanism.rotation.inner.at(0.0).1;
             model.constant = Some((speed, model.ideal(speed)));
         }
         Ok(model)
@@ -234,7 +234,7 @@ impl RadiallyCondensed {
     /// Speed of the spindle at a time [rad/s].
     #[inline(always)]
     pub(super) fn speed_at(&self, time: f64) -> f64 {
-        self.constant.map_or_else(|| self.mechanism.speed.at(time).1, |(speed, _)| speed)
+        self.constant.map_or_else(|| self.mechanism.rotation.inner.at(time).1, |(speed, _)| speed)
     }
 
     /// Drag near ideal rolling, and √δ of a ball on the outer raceway alone, at a spindle speed [rad/s].

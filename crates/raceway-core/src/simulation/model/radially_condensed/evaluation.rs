@@ -117,7 +117,7 @@ impl RadiallyCondensed {
         let (turning, (mixture, unloaded_root)) = match self.constant {
             Some((speed, ideal)) => ((speed * time, speed, 0.0), ideal),
             None => {
-                let turning = m.speed.at(time);
+                let turning = m.rotation.inner.at(time);
                 (turning, self.ideal(turning.1))
             }
         };
@@ -385,7 +385,7 @@ impl RadiallyCondensed {
         let [mut y, mut z, mut moment] = sums.force.each_ref().map(total);
         if let Some(land) = &m.land {
             let spin = m.orbit_ratio * speed + border.cage_velocity[2] / m.pitch_radius;
-            let (force, braking) = land.load([0.0, border.cage[0], border.cage[1]], spin);
+            let (force, braking) = land.load([0.0, border.cage[0], border.cage[1]], spin, 0.0);
             (y, z, moment) = (y + force[1], z + force[2], moment + braking);
         }
         let (per_mass, arm, per_inertia) = (1.0 / m.cage.mass, m.pitch_radius, 1.0 / m.cage.axial_inertia);

@@ -11,6 +11,7 @@ use crate::numerics::interpolation::Interpolator;
 use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
+use crate::physics::kinematics::BodySpeeds;
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
@@ -308,7 +309,7 @@ impl<'a> Observer<'a> {
         std::mem::swap(last, now);
         if let Some(loads) = &mut self.loads {
             loads.offer(|| {
-                let (angle, _, _) = m.speed.at(stepper.time());
+                let (angle, _, _) = m.rotation.inner.at(stepper.time());
                 let (arc, load) = (stepper.balls()[0].arc[0], &stepper.ball_loads()[0].load);
                 let azimuth = m.start_azimuth(0) + m.orbit_ratio * angle + arc / m.pitch_radius;
                 (azimuth, load.inner[0].into(), load.outer[0].into())
@@ -328,8 +329,8 @@ impl<'a> Observer<'a> {
     fn observe_sites(&mut self, stepper: &Stepper<'_>) {
         let m = self.model.mechanism();
         let Some(sites) = &mut self.sites else { return };
-        let (angle, _, _) = m.speed.at(stepper.time());
-        sites.observe(stepper.time(), angle, |ball| {
+        let (angle, _, _) = m.rotation.inner.at(stepper.time());
+        sites.observe(stepper.time(), PerRaceway { inner: angle, outer: 0.0 }, |ball| {
             let (group, lane) = (ball / LANES, ball % LANES);
             let (arc, load) = (stepper.balls()[group].arc[lane], &stepper.ball_loads()[group].load);
             let azimuth = m.start_azimuth(ball) + m.orbit_ratio * angle + arc / m.pitch_radius;
@@ -402,11 +403,13 @@ impl<'a> Observer<'a> {
             whirl,
             spindle_whirl,
             direction: if shaft < 0.0 { -1.0 } else { 1.0 },
-            shaft_speed: shaft.abs(),
-            cage_speed: (m.orbit_ratio * shaft + cage).abs(),
+            speeds: BodySpeeds::new(
+                shaft.into(),
+                m.orbit_ratio * shaft + cage,
+                ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
+            ),
             loaded_orbit_ratio: self.rolling.mean(),
             tracks: Vec::new(),
-            ball_spin: ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),
             passages: self.sites.map(SiteObserver::into_passages).unwrap_or_default(),

@@ -21,7 +21,9 @@ fn cage_beats_with_shaft(scene: &Scene) -> bool {
 pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) -> Option<Inapplicable> {
     let channels = || outputs.spectra.iter().chain(&outputs.series);
     let of_spindle = |channel: &Channel| matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));
-    let reason = if scene.surfaces.have_defects() {
+    let reason = if !scene.operation.rotation().outer_stands() {
+        Inapplicable::OuterRingTurns
+    } else if scene.surfaces.have_defects() {
         Inapplicable::Defects
     } else if scene.surfaces.have_axial_waves() {
         Inapplicable::AxialWaves

@@ -135,7 +135,7 @@ impl SpindleOnly {
         let touching = |contact: &RacewayContact| contact.penetration::<true>(0.0, m.pitch_radius).0;
         let centred = m.raceway.map(touching);
         let orbit_radius = m.pitch_radius - centred.outer;
-        let speed = m.speed.largest();
+        let speed = m.rotation.inner.largest();
         let force = |m: &Mechanism| [m.load[1] + m.spindle_mass * m.gravity, m.load[2]];
         let contact = CondensedContact::new(m.raceway.map(|contact| contact.hertz().stiffness));
         let mut groups: Vec<Group> = (0..balls.div_ceil(LANES))
@@ -160,8 +160,8 @@ impl SpindleOnly {
         let are_alike = !waves.as_ref().is_some_and(Waves::are_of_balls) && m.has_equal_balls();
         let is_alike = are_alike && m.start.are_even();
         Self {
-            constant: m.speed.is_constant().then(|| m.speed.at(0.0).1),
-            speed: m.speed.clone(),
+            constant: m.rotation.inner.is_constant().then(|| m.rotation.inner.at(0.0).1),
+            speed: m.rotation.inner.clone(),
             balls,
             first: groups.remove(0),
             others: groups,

@@ -3,6 +3,7 @@
 use super::equations::SpindleOnly;
 use crate::numerics::ode::Statistics;
 use crate::physics::bearing::PerRaceway;
+use crate::physics::kinematics::BodySpeeds;
 use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::recording::record::{ContactExtremes, Recording};
 use crate::simulation::recording::sampling::SPINDLE_IN_PLANE;
@@ -21,7 +22,7 @@ pub(crate) fn recording(
     let (signals, spindle_whirl) = recorder.finish();
     let balls = mechanism.layout.balls;
     let none = ContactExtremes { max_load: vec![0.0; balls], angle: None, max_slip: 0.0, least_film: None, off: None };
-    let turned = |time: f64| mechanism.speed.at(time).0;
+    let turned = |time: f64| mechanism.rotation.inner.at(time).0;
     let (begin, _) = model.speed(start);
     let mean = if duration > 0.0 { (turned(start + duration) - turned(start)) / duration } else { begin };
     Recording {
@@ -34,11 +35,13 @@ pub(crate) fn recording(
         contacts: PerRaceway { inner: none.clone(), outer: none },
         max_pocket_load: 0.0,
         direction: if mean < 0.0 { -1.0 } else { 1.0 },
-        shaft_speed: mean.abs(),
-        cage_speed: (model.orbit_ratio() * mean).abs(),
+        speeds: BodySpeeds::new(
+            mean.into(),
+            model.orbit_ratio() * mean,
+            ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
+        ),
         loaded_orbit_ratio: None,
         tracks: Vec::new(),
-        ball_spin: ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         parts: Vec::new(),
         loads: None,
         passages: Vec::new(),

@@ -21,6 +21,7 @@ fn article(speed: f64, kind: LubricantKind, film: PocketFilm) -> Scene {
         spindle: Spindle { mass: 0.05, unbalance: Unbalance::None, axial: AxialHold::Fixed, tilt: SpindleTilt::Held },
         operation: Operation {
             speed: SpeedProfile::constant(speed).unwrap(),
+            outer_speed: SpeedProfile::at_rest(),
             load: [0.0, 200.0, 0.0],
             loads: Vec::new(),
             misalignment: [0.0; 2],

@@ -1,0 +1,135 @@
+//! Bearings on a rigid spindle, and a list of one bearing.
+
+use serde_json::{Value, json};
+
+use crate::contract::json::problem::Refusal;
+use crate::contract::{Job, parse_job};
+
+fn parsed(job: &Value) -> Result<Job, Vec<(String, String)>> {
+    parse_job(job.to_string().as_bytes()).map_err(|refusal| match refusal {
+        Refusal::Invalid { errors } => errors.into_iter().map(|error| (error.pointer, error.detail)).collect(),
+        other => panic!("{other:?}"),
+    })
+}
+
+fn simulation(scene: Value) -> Value {
+    json!({ "kind": "simulation", "duration_s": 0.1, "scene": scene })
+}
+
+/// One bearing at the mass centre is the scene of the bearing alone, and the same work.
+#[test]
+fn a_list_of_one_bearing_is_the_bearing() {
+    let operation = json!({ "speed_rpm": 3000, "radial_load_y_n": 300 });
+    let surfaces = json!({ "outer": { "waviness": [{ "order": 8, "amplitude_nm": 20 }] } });
+    let alone = json!({ "bearing": { "preset": "6205", "radial_clearance_um": 5 }, "lubricant": "oil",
+        "surfaces": surfaces, "operation": operation, "spindle": { "mass_kg": 2 } });
+    let item = json!({ "name": "A", "bearing": { "preset": "6205", "radial_clearance_um": 5 }, "lubricant": "oil",
+        "surfaces": surfaces, "at_mm": 40, "faces": "+x", "start_azimuth_deg": 0, "outer_ring": { "seat": "rigid" } });
+    let listed = json!({ "bearings": [item], "operation": operation, "spindle": { "mass_kg": 2, "centre_mm": 40 } });
+    let (one, other) = (parsed(&simulation(alone)).unwrap(), parsed(&simulation(listed)).unwrap());
+    assert_eq!(one.scene(), other.scene());
+    assert_eq!((one.canonical(), one.scene_json()), (other.canonical(), other.scene_json()));
+}
+
+/// Errors point at the list, and what only a machine has is refused with the way to it.
+#[test]
+fn errors_of_a_list_point_at_it() {
+    let with = |item: Value, scene: Value| {
+        let mut whole = json!({ "bearings": [item], "operation": { "speed_rpm": 3000 } });
+        scene.as_object().unwrap().iter().for_each(|(field, value)| whole[field] = value.clone());
+        parsed(&simulation(whole)).unwrap_err()
+    };
+    let none = json!({});
+    for (item, scene, pointer, detail) in [
+        (json!({ "bearing": "nope" }), &none, "/scene/bearings/0/bearing", "nope"),
+        (
+            json!({ "bearing": { "preset": "608", "ball_count": 2 } }),
+            &none,
+            "/scene/bearings/0/bearing/ball_count",
+            "2",
+        ),
+        (json!({ "name": "A" }), &none, "/scene/bearings/0/bearing", "required"),
+        (json!({ "bearing": "608", "faces": "-x" }), &none, "/scene/bearings/0/faces", "machine"),
+        (json!({ "bearing": "608", "start_azimuth_deg": 3 }), &none, "/scene/bearings/0/start_azimuth_deg", "machine"),
+        (
+            json!({ "bearing": "608", "outer_ring": { "offset_um": { "x": 1 } } }),
+            &none,
+            "/scene/bearings/0/outer_ring",
+            "rigid",
+        ),
+        (json!({ "bearing": "608", "colour": "red" }), &none, "/scene/bearings/0/colour", "unknown"),
+        (
+            json!({ "bearing": "608", "lubricant": "oil" }),
+            &json!({ "lubricant": "oil" }),
+            "/scene/bearings/0/lubricant",
+            "too",
+        ),
+        (
+            json!({ "bearing": "608", "at_mm": 10 }),
+            &json!({ "spindle": { "centre_mm": 20 } }),
+            "/scene/bearings/0/at_mm",
+            "20 mm",
+        ),
+        (json!({ "bearing": "608" }), &json!({ "bearing": "608" }), "/scene/bearings", "either"),
+    ] {
+        let errors = with(item, scene.clone());
+        let found = errors.iter().any(|(at, text)| at == pointer && text.contains(detail));
+        assert!(found, "{pointer}: {errors:?}");
+    }
+    let two = json!({ "bearings": [{ "bearing": "608" }, { "bearing": "608" }], "operation": { "speed_rpm": 3000 } });
+    let errors = parsed(&simulation(two)).unwrap_err();
+    assert!(errors.iter().any(|(at, text)| at == "/scene/bearings" && text.contains("machine")), "{errors:?}");
+}
+
+fn machine(kind: &str, spindle: Value) -> Value {
+    let bearing =
+        |name: &str, at: f64, faces: &str| json!({ "name": name, "bearing": "6205", "at_mm": at, "faces": faces });
+    json!({ "kind": kind, "scene": {
+        "bearings": [bearing("A", 40.0, "+x"), bearing("B", 260.0, "-x")],
+        "preloads": [{ "between": ["A", "B"], "force_n": 200 }],
+        "spindle": spindle,
+        "operation": { "speed_rpm": 6000, "radial_load_y_n": 100 }
+    } })
+}
+
+/// A rigid spindle has the mass of both bearings by default, its centre between them, and tilts.
+#[test]
+fn bearings_without_a_shaft_hold_a_rigid_spindle() {
+    for kind in ["rotor", "machine"] {
+        let job = parsed(&machine(kind, json!({ "unbalance_g_mm": 20 }))).unwrap();
+        let spindle = &job.scene_json()["spindle"];
+        let alone = parsed(&simulation(json!({ "bearing": "6205", "operation": { "speed_rpm": 1 } }))).unwrap();
+        let mass = alone.scene_json()["spindle"]["mass_kg"].as_f64().unwrap();
+        assert_eq!(spindle["centre_mm"], 150.0);
+        assert_eq!((&spindle["tilt"], &spindle["axial"]), (&json!("free"), &json!("fixed")));
+        assert!((spindle["mass_kg"].as_f64().unwrap() / (2.0 * mass) - 1.0).abs() < 1e-12);
+        // The job with all its defaults is the same work.
+        assert_eq!(parsed(&job.complete()).unwrap().canonical(), job.canonical());
+    }
+}
+
+#[test]
+fn wrong_spindles_are_named() {
+    let errors = |spindle: Value| parsed(&machine("machine", spindle)).unwrap_err();
+    for (spindle, pointer) in [
+        (json!({ "mass_kg": 0 }), "/scene/spindle/mass_kg"),
+        (json!({ "centre_mm": 300 }), ""),
+        (json!({ "centre_mm": -1 }), "/scene/spindle/centre_mm"),
+        (json!({ "axial": { "offset_um": 3 } }), "/scene/spindle/axial"),
+        (json!({ "transverse_inertia_kg_m2": 1, "axial_inertia_kg_m2": 3 }), "/scene/spindle/axial_inertia_kg_m2"),
+        (json!({ "unbalance_g_mm": 1, "balance_grade": 1 }), "/scene/spindle/balance_grade"),
+    ] {
+        if pointer.is_empty() {
+            // A mass centre beyond the bearings is an overhang.
+            assert!(parsed(&machine("machine", spindle)).is_ok());
+            continue;
+        }
+        let found = errors(spindle.clone());
+        assert!(found.iter().any(|(at, _)| at == pointer), "{spindle}: {found:?}");
+    }
+    let mut both = machine("machine", json!({}));
+    both["scene"]["shaft"] = json!({ "sections": [{ "length_mm": 300, "outer_diameter_mm": 25 }] });
+    assert!(parsed(&both).unwrap_err().iter().any(|(at, _)| at == "/scene/spindle"));
+    both["scene"].as_object_mut().unwrap().remove("spindle");
+    assert!(parsed(&both).is_ok());
+}
