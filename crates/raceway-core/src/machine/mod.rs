@@ -20,6 +20,7 @@ pub(crate) mod propagator;
 pub(crate) mod stepping;
 
 pub mod recording;
+pub mod warnings;
 
 #[cfg(test)]
 mod tests;

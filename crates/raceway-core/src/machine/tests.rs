@@ -39,6 +39,7 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
 
 mod loads;
+mod warnings;
 
 const RPM: f64 = PI / 30.0;
 
