@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
+use super::codes::MachineWarning;
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
 use super::recording::{BearingRecord, MachineRecording};
-use super::warnings::MachineWarning;
 use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
 use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{CharacteristicFrequencies, ideal_orbit_ratio, with_cage_speed};

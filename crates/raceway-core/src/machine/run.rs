@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
+use super::codes::{MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
@@ -11,7 +12,7 @@ use super::result::{Accuracy, MachineResult};
 use super::settings::MachineSettings;
 use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength};
-use super::warnings::{MachineWarning, RejectedStep, StepCause, StepLimit, warnings};
+use super::warnings::{limit_of_step, warnings};
 use crate::numerics::statistics::rms;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
@@ -48,8 +49,9 @@ pub fn simulate(
     let run = Run { machine, dynamics: &dynamics, start: &start, settle };
     let mut step = StepLength { longest: settings.step.unwrap_or_else(|| first_step(&dynamics)), share: 1.0 };
     let may_shorten = |step: StepLength| settings.step.is_none() && step.halved().full() >= SHORTEST;
-    let rejected =
-        |step: f64, cause| MachineWarning::StepRejected(RejectedStep { step, cause, limit: StepLimit::of(&dynamics, step) });
+    let rejected = |step: f64, cause| {
+        MachineWarning::StepRejected(RejectedStep { step, cause, limit: limit_of_step(&dynamics, step) })
+    };
     let (mut rejections, mut work) = (Vec::new(), 0);
     let window = settings.duration.min(REPEATED);
     loop {

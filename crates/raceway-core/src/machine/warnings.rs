@@ -1,88 +1,31 @@
-//! Reasons to doubt the numbers of a run, and remarks on its steps: codes with numbers. The text of each is defined outside this crate.
+//! Reasons to doubt the numbers of a run, and what limits its steps.
 
 use super::channel::MachineChannel;
+use super::codes::{LaterChange, MachineWarning, StepLimit};
 use super::equations::MachineDynamics;
-use super::input::{Loss, Machine};
-use super::result::{BearingMetrics, MachineResult};
+use super::input::Machine;
+use super::result::{BearingMetrics, MachineResult, SignalMetrics};
 use super::settings::MachineSettings;
 use super::stepping::stiffness_of_step;
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
 use crate::simulation::solve::startup::SETTLED_EFOLDS;
 
-/// A reason to doubt a number of a run, or a remark. Bearings count from 0.
-#[derive(Debug, Clone, PartialEq)]
-pub enum MachineWarning {
-    /// Free motion of the start decays with this time constant [s], infinite where nothing damps it; `settle` [s] is too short, `required` [s]
-    /// is enough.
-    StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
-    /// A level rises or falls throughout the recorded time [dB].
-    NotStationary { channel: MachineChannel, change_db: f64 },
-    /// Half steps still change a level by more than is allowed [dB]. `is_selected`: the request selected the step [s].
-    Uncertain { channel: MachineChannel, error_db: f64, allowed_db: f64, step: f64, is_selected: bool },
-    /// Only a first window [s] was repeated, and something changes after it. Half steps of `step` [s] would show the error.
-    PartlyVerified { window: f64, change: LaterChange, step: f64 },
-    /// The largest pressure in a bearing [Pa] deforms its raceways permanently.
-    Overloaded { bearing: usize, load: f64, pressure: f64 },
-    /// Longer steps were tried and rejected.
-    StepRejected(RejectedStep),
-}
-
-/// Change after the verified time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum LaterChange {
-    Speed,
-    /// Place of a load in the list of the scene. `at`: begin of a shock [s].
-    Load { place: usize, at: Option<f64> },
-}
-
-/// A step that did not become that of the result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RejectedStep {
-    /// [s]
-    pub step: f64,
-    pub cause: StepCause,
-    /// The property of the machine that such steps do not resolve, where there is one.
-    pub limit: Option<StepLimit>,
-}
-
-/// Cause of the rejection of a step.
-#[derive(Debug, Clone, PartialEq)]
-pub enum StepCause {
-    /// The motion was lost at a time [s].
-    Lost { time: f64, loss: Loss },
-    /// Half steps change a level [dB].
-    Deviation { channel: MachineChannel, error_db: f64 },
-}
-
-/// Property of a machine that needs short steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StepLimit {
-    /// Dashpots of supports couple the motions of the shaft.
-    Dashpots,
-    /// Gyroscopic moments do.
-    Gyroscopic,
-    /// The bearings are stiff against the inertia of the shaft at their places.
-    BearingStiffness,
-}
-
 /// Largest change of a velocity in a step by the velocities of other coordinates, which are taken explicitly, over these velocities [-].
 const MOST_COUPLING: f64 = 0.2;
 /// Largest eigenvalue of K H [-] up to which the correction of the ports' forces is stable.
 const MOST_STIFFNESS: f64 = 0.1;
 
-impl StepLimit {
-    /// What limits steps of a length [s] most; `None` where nothing does.
-    pub(super) fn of(dynamics: &MachineDynamics, step: f64) -> Option<Self> {
-        let [dashpots, gyroscopic] = dynamics.frame.coupling_rates(dynamics.speed.largest());
-        let measures = [
-            (Self::Dashpots, step * dashpots / MOST_COUPLING),
-            (Self::Gyroscopic, step * gyroscopic / MOST_COUPLING),
-            (Self::BearingStiffness, stiffness_of_step(dynamics, step) / MOST_STIFFNESS),
-        ];
-        let most = measures.into_iter().max_by(|one, other| one.1.total_cmp(&other.1));
-        most.filter(|(_, measure)| *measure > 1.0).map(|(limit, _)| limit)
-    }
+/// What limits steps of a length [s] most; `None` where nothing does.
+pub(super) fn limit_of_step(dynamics: &MachineDynamics, step: f64) -> Option<StepLimit> {
+    let [dashpots, gyroscopic] = dynamics.frame.coupling_rates(dynamics.speed.largest());
+    let measures = [
+        (StepLimit::Dashpots, step * dashpots / MOST_COUPLING),
+        (StepLimit::Gyroscopic, step * gyroscopic / MOST_COUPLING),
+        (StepLimit::BearingStiffness, stiffness_of_step(dynamics, step) / MOST_STIFFNESS),
+    ];
+    let most = measures.into_iter().max_by(|one, other| one.1.total_cmp(&other.1));
+    most.filter(|(_, measure)| *measure > 1.0).map(|(limit, _)| limit)
 }
 
 /// Reasons to doubt the numbers of a run.
@@ -145,14 +88,12 @@ fn is_steady(machine: &Machine, settle: f64) -> bool {
     ends.fold(0.0, f64::max) <= settle && (machine.speed.is_constant() || machine.speed.end() <= settle)
 }
 
-/// The accelerations whose levels change most, at each bearing and sensor.
+/// The accelerations whose levels rise or fall throughout the recorded time.
 fn not_stationary(result: &MachineResult) -> Vec<MachineWarning> {
-    let change = |(channel, metrics): &(MachineChannel, _)| trend(*channel, metrics);
+    let change = |(channel, metrics): &(MachineChannel, SignalMetrics)| {
+        Some(MachineWarning::NotStationary { channel: *channel, change_db: metrics.trend_db? })
+    };
     result.channels.iter().filter_map(change).collect()
-}
-
-fn trend(channel: MachineChannel, metrics: &super::result::SignalMetrics) -> Option<MachineWarning> {
-    Some(MachineWarning::NotStationary { channel, change_db: metrics.trend_db? })
 }
 
 /// The largest pressure of a bearing over the recorded time, if it is too large.

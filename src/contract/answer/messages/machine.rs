@@ -1,7 +1,7 @@
 //! Messages of a machine.
 
+use raceway_core::machine::codes::{LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
 use raceway_core::machine::input::Machine;
-use raceway_core::machine::warnings::{LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
 use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use serde_json::{Value, json};
 
@@ -130,13 +130,16 @@ fn of_rejected_step(
             ),
             StepLimit::BearingStiffness => (
                 "bearing-stiffness",
-                "The bearings are so stiff against the inertia of the shaft beside them that they need short steps.",
+                "The bearings are so stiff against the inertia of the shaft at their places that they need short steps.",
             ),
         };
         values.push(("limit", json!(name)));
         format!(" {text}")
     });
-    let text =
-        format!("Steps of {} µs were rejected: {cause}.{}", significant(US.to_user(*step), 3), limit.unwrap_or_default());
+    let text = format!(
+        "Steps of {} µs were rejected: {cause}.{}",
+        significant(US.to_user(*step), 3),
+        limit.unwrap_or_default()
+    );
     (MessageCode::CandidateRejected, text, values)
 }

@@ -1,9 +1,9 @@
 //! Reasons to doubt the numbers of a run.
 
 use super::*;
+use crate::machine::codes::{LaterChange, MachineWarning, StepCause, StepLimit};
 use crate::machine::input::{Loss, MachineError, StepsOfLoss};
 use crate::machine::result::MachineResult;
-use crate::machine::warnings::{LaterChange, MachineWarning, StepCause, StepLimit};
 use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::loads::{Load, LoadCourse, LoadDirection, Shock};
 use crate::rotor::input::PlacedLoad;
@@ -65,7 +65,10 @@ fn a_load_beyond_the_bearings_names_the_cause() {
     machine.rotor.loads = vec![in_the_middle(LoadCourse::Shock(Shock { peak: 1e6, at: 1e-3, duration: 2e-3 }))];
     let error = simulate(&machine, &settings(0.0, 0.01, Some(2e-6)), &Control::until(&|| false)).unwrap_err();
     assert!(
-        matches!(&error, MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Left { .. }, steps: StepsOfLoss::Selected(_), .. }),
+        matches!(
+            &error,
+            MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Left { .. }, steps: StepsOfLoss::Selected(_), .. }
+        ),
         "{error}"
     );
     let text = error.to_string();
