@@ -4,6 +4,7 @@ import * as api from './api.js';
 import { h, more, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { channelName, LEVEL_UNIT, level, measured, number, quantity } from './format.js';
+import { messageList } from './messages.js';
 import { Spectra } from './spectra.js';
 
 const isAcceleration = (name) => name.endsWith('.acceleration');
@@ -32,7 +33,7 @@ export class MachineView {
     Object.assign(this, { job, answer });
     const hasFaults = (job.request.scene.bearings ?? []).some(({ surfaces }) => surfaces);
     this.spectra.begin(this.channels, hasFaults);
-    host.replaceChildren(this.#summary(), this.#levels(), this.stage, this.extras, this.#bearings(), this.#rest());
+    host.replaceChildren(this.#summary(), ...messageList(answer.messages), this.#levels(), this.stage, this.extras, this.#bearings(), this.#rest());
     await this.#draw();
   }
 

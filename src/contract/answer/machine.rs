@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use raceway_core::machine::channel::MachineChannel;
-use raceway_core::machine::input::{Machine, MachineError};
+use raceway_core::machine::input::{Loss, Machine, MachineError};
 use raceway_core::machine::result::{BearingMetrics, MachineResult, SignalMetrics, SignalSpectra};
 use raceway_core::machine::run::simulate;
 use raceway_core::simulation::input::control::Control;
@@ -12,7 +12,8 @@ use raceway_core::simulation::result::lines::Line;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::failure::{DID_NOT_CONVERGE, RunFailure, SPINDLE_LEFT_BEARING};
+use super::failure::{DID_NOT_CONVERGE, NUMERICAL_BLOWUP, RunFailure, SPINDLE_LEFT_BEARING};
+use super::messages::{self, MessageAnswer};
 use super::metrics::{BandAnswer, LineAnswer};
 use super::signals::{SeriesHead, SpectrumAnswer, SpectrumKind};
 use crate::contract::job::machine::MachineJob;
@@ -42,6 +43,11 @@ pub struct MachineAnswer {
     pub model: MachineModelAnswer,
     /// How far the levels can be trusted.
     pub accuracy: MachineAccuracyAnswer,
+    /// Messages about the result: warnings first, then the steps that were rejected. See `MessageCode`.
+    // Results of builds before the messages have none.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub messages: Vec<MessageAnswer>,
 }
 
 /// Metrics of a signal in its unit, from 0 to 20 kHz.
@@ -178,8 +184,10 @@ impl From<MachineError> for RunFailure {
     fn from(error: MachineError) -> Self {
         let cause = match error {
             MachineError::Stopped(_) => return Self::Cancelled,
-            MachineError::Diverged { .. } => SPINDLE_LEFT_BEARING,
-            MachineError::Grows { .. }
+            MachineError::Lost { cause: Loss::Left { .. }, .. } => SPINDLE_LEFT_BEARING,
+            MachineError::Lost { cause: Loss::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
+            MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. }, .. }
+            | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)
             | MachineError::Rotor(_)
             | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
@@ -226,6 +234,7 @@ fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
             evaluations: result.accuracy.evaluations,
         },
         accuracy: MachineAccuracyAnswer { repeated_s: result.accuracy.window, level_errors_db: errors.collect() },
+        messages: result.warnings.iter().map(|warning| messages::of_machine(machine, warning)).collect(),
     }
 }
 

@@ -7,15 +7,13 @@ use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::units::{MM, RPM, UM};
 use raceway_core::physics::bearing::BearingKind;
-use raceway_core::physics::contact::hertz::raceway_contacts;
+use raceway_core::physics::contact::hertz::{STATIC_PRESSURE_LIMIT, raceway_contacts};
 use raceway_core::physics::contact::traction::TractionLaw;
 use raceway_core::physics::defaults::{CrownCage, shaft_mass};
 use raceway_core::physics::spindle::{AxialHold, Unbalance};
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::model::equilibrium::StaticLoads;
 
-/// Pressure of a permanent deformation of 10⁻⁴ of the ball diameter (ISO 76, ball bearings) [Pa].
-const STATIC_PRESSURE_LIMIT: f64 = 4.2e9;
 /// Speed times pitch diameter of the fastest bearings in use, with a margin [r/min · mm].
 const MAX_SPEED_FACTOR: f64 = 5e6;
 /// Viscosities of lubricants at running temperature, with a margin [Pa·s].
@@ -116,7 +114,7 @@ fn of_load_times(simulation: &Simulation, warn: Warn<'_>) {
             let (last, end) = (short(significant(last, 6)), short(significant(end, 4)));
             format!("the load changes until {last} s, but the run ends at {end} s; increase duration_s")
         });
-        warn(last < begin && load.is_shock(), &format!("operation/loads/{place}/shock"), &|| {
+        warn(last < begin && load.shock().is_some(), &format!("operation/loads/{place}/shock"), &|| {
             let (last, begin) = (short(significant(last, 6)), short(significant(begin, 4)));
             format!(
                 "the shock ends at {last} s, before recording begins at {begin} s; reduce settle_s or increase at_s"

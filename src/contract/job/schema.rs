@@ -1,7 +1,7 @@
 //! Limits, defaults and kinds in the schemas of requests. Limits are those of validation, defaults those of a job without the field.
 
 use serde_json::{Value, json};
-use utoipa::openapi::schema::{Discriminator, Object, ObjectBuilder, OneOfBuilder, Schema, Type};
+use utoipa::openapi::schema::{ArrayItems, Discriminator, Object, ObjectBuilder, OneOfBuilder, Schema, Type};
 use utoipa::openapi::{Ref, RefOr};
 
 use super::checked::Job;
@@ -131,6 +131,7 @@ pub fn complete(schemas: &mut Schemas) {
         let path: Vec<&str> = pointer.split('/').skip(1).collect();
         change(schemas, JOB, &path, &|number| set_limits(number, &limits));
     }
+    split_shaft_speed(schemas);
     for reduced in [METRICS_ALONE, MODEL_ALONE] {
         if let Some(RefOr::T(Schema::Object(whole))) = schemas.get(reduced.of) {
             let mut rest = whole.clone();
@@ -152,6 +153,38 @@ pub fn complete(schemas: &mut Schemas) {
             let Some((holder, field)) = pointer.rsplit_once('/') else { continue };
             let path: Vec<&str> = holder.split('/').skip(1).collect();
             change(schemas, kind.name, &path, &|object| set_defaults(object, field, usual.pointer(holder)));
+        }
+    }
+}
+
+/// Gives shafts schemas of their speed: they do not turn backwards.
+fn split_shaft_speed(schemas: &mut Schemas) {
+    const NAMES: [[&str; 2]; 2] = [["SpeedInput", "ShaftSpeedInput"], ["SpeedPointInput", "ShaftSpeedPointInput"]];
+    for [of, name] in NAMES {
+        if let Some(schema) = schemas.get(of).cloned() {
+            schemas.insert(name.to_owned(), schema);
+        }
+    }
+    let [[_, speed], [_, point]] = NAMES;
+    if let Some(RefOr::T(Schema::OneOf(of))) = schemas.get_mut(speed) {
+        of.description = Some(
+            "A constant speed from 0 to 500 000 r/min, or a profile of points with linear interpolation.".to_owned(),
+        );
+        for item in &mut of.items {
+            if let RefOr::T(Schema::Array(points)) = item {
+                points.items = ArrayItems::RefOrSchema(Box::new(Ref::from_schema_name(point).into()));
+            }
+        }
+    }
+    change(schemas, "RotorOperationInput", &[], &|operation| {
+        if let Some(RefOr::Ref(named)) = operation.properties.get_mut("speed_rpm") {
+            named.ref_location = Ref::from_schema_name(speed).ref_location;
+        }
+    });
+    for pointer in ["/scene/operation/speed_rpm", "/scene/operation/speed_rpm/rpm"] {
+        let path: Vec<&str> = pointer.split('/').skip(1).collect();
+        if let Some(limits) = limits::of_rotor_field(pointer) {
+            change(schemas, MACHINE, &path, &|number| set_limits(number, limits));
         }
     }
 }

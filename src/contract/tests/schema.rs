@@ -62,6 +62,7 @@ fn limits_stand_in_the_schema() {
     let schemas = serde_json::to_value(job_schemas()).unwrap();
     assert_eq!(schemas["SpeedInput"]["oneOf"][0]["maximum"], 500_000);
     assert_eq!(schemas["SpeedPointInput"]["properties"]["at_s"]["maximum"], 1_000_000);
+    assert_eq!(schemas["SpeedInput"]["oneOf"][0]["minimum"], -500_000);
     let without = |name: &str, field: &Value| {
         field["type"] == "number" && field["maximum"].is_null() && name != "from" && name != "to"
     };

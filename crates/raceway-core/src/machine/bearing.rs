@@ -1,8 +1,9 @@
 //! A bearing on the shaft: its dynamics, seen from the shaft's axes.
 
 use super::frame::Frame;
-use super::input::{Machine, MachineError};
+use super::input::{Loss, Machine, MachineError};
 use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
+use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::physics::statics::shaft::Mounted;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::Outputs;
@@ -11,6 +12,7 @@ use crate::simulation::model::dynamics::Full;
 use crate::simulation::model::dynamics::on_ring::RingLoad;
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::state::SpindleState;
+use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 
@@ -42,6 +44,29 @@ impl BearingOnShaft {
         }
     }
 
+    /// Reason why the bearing of this name cannot hold a ring that moves like this.
+    pub(crate) fn loss_of_ring(&self, name: &str, ring: &SpindleState) -> Option<Loss> {
+        let bearing = || name.to_owned();
+        if !ring.position.iter().chain(&ring.tilt).all(|value| value.is_finite()) {
+            return Some(Loss::NotFinite { bearing: bearing() });
+        }
+        let departure = self.dynamics.mechanism().departure(ring.position, ring.tilt)?;
+        Some(Loss::Left { bearing: bearing(), departure })
+    }
+
+    /// Reason why the bearing of this name cannot carry these loads of its balls.
+    pub(crate) fn loss_of_balls(&self, name: &str, loads: PackedStepLoads<'_>) -> Option<Loss> {
+        let mechanism = self.dynamics.mechanism();
+        let raceway = &mechanism.raceway;
+        let pressed = (0..mechanism.layout.balls).map(|ball| {
+            let load = loads.of(ball).load;
+            let depth = raceway.inner.relative_depth(load.inner).max(raceway.outer.relative_depth(load.outer));
+            (load.inner.max(load.outer), depth)
+        });
+        let (load, depth) = pressed.fold((0.0, 0.0), |most, ball| if ball.1 > most.1 { ball } else { most });
+        (depth > MAX_RELATIVE_DEPTH).then(|| Loss::TooDeep { bearing: name.to_owned(), load, depth })
+    }
+
     /// Forces and moments on the shaft.
     pub(crate) fn on_shaft(&self, load: &RingLoad) -> [f64; 5] {
         self.mounted.wrench_on_shaft(&load.wrench())
@@ -67,7 +92,7 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
         scene.gravity = machine.rotor.gravity;
         scene.spindle.axial = AxialHold::Free;
         scene.spindle.tilt = SpindleTilt::Free(SpindleInertia { transverse: 1.0, axial: 1.0 });
-        let failed = |source: SimulationError| MachineError::Bearing { bearing: index, source };
+        let failed = |source: SimulationError| MachineError::Bearing { bearing: moving.name.clone(), source };
         let terms = ActiveTerms::of(&scene, &Outputs::vibration(), Some(ModelLevel::Full))
             .map_err(|choice| failed(choice.into()))?;
         let mut mechanism = with_surfaces(Mechanism::new(&scene, &terms), &scene);

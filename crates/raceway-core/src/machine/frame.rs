@@ -181,6 +181,11 @@ impl Frame {
         self.loaded.iter().map(|place| place.varying.longest_step_from(time)).fold(f64::INFINITY, f64::min)
     }
 
+    /// Largest rates [1/s] by which velocities of other coordinates change one: by dashpots of supports, and by gyroscopic moments at a speed.
+    pub(super) fn coupling_rates(&self, speed: f64) -> [f64; 2] {
+        [self.velocity.constant.largest_row(), speed.abs() * self.velocity.by_speed.largest_row()]
+    }
+
     /// Energy of the coordinates [J], loads at the start included; moments of a turning shaft do no work.
     pub fn energy(&self, place: &[f64], velocity: &[f64]) -> f64 {
         let of = |k: usize| {
@@ -247,6 +252,11 @@ impl Rest {
             (first, entries[first..end].to_vec())
         };
         Self((0..matrix.nrows()).map(row).collect())
+    }
+
+    /// Largest sum of the magnitudes in a row.
+    fn largest_row(&self) -> f64 {
+        self.0.iter().map(|(_, row)| row.iter().map(|entry| entry.abs()).sum()).fold(0.0, f64::max)
     }
 
     #[inline(always)]

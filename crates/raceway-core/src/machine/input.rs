@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use crate::physics::operation::SpeedProfile;
+use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::rotor::input::{Rotor, RotorError};
 use crate::simulation::input::channel::Axis;
 use crate::simulation::input::scene::Scene;
-use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::failure::{Departure, SimulationError};
 
 /// A shaft on ball bearings, and the points at which its motion is recorded.
 #[derive(Debug, Clone)]
@@ -47,10 +48,10 @@ pub enum MachineError {
     #[error(transparent)]
     Rotor(#[from] RotorError),
     #[error("bearing {bearing}: {source}")]
-    Bearing { bearing: usize, source: SimulationError },
-    /// The motion has left every physical range.
-    #[error("the motion diverges at t = {time:.6} s; {cause}")]
-    Diverged { time: f64, cause: &'static str },
+    Bearing { bearing: String, source: SimulationError },
+    /// No bearing can hold the motion any more.
+    #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy())]
+    Lost { time: f64, cause: Loss, steps: StepsOfLoss },
     /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does.
     #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
     Grows { rate: f64, speeds: [f64; 2], cause: &'static str },
@@ -60,6 +61,53 @@ pub enum MachineError {
     /// The caller no longer wants the result.
     #[error("stopped at t = {0:.6} s")]
     Stopped(f64),
+}
+
+/// Reason why a motion goes beyond what a bearing can hold.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Loss {
+    #[error("the inner ring has left bearing {bearing}: {departure}")]
+    Left { bearing: String, departure: Departure },
+    #[error(
+        "in bearing {bearing}, {load:.1e} N press a ball into its raceways by {depth:.2} of its radius, and beyond \
+         {MAX_RELATIVE_DEPTH} of it there is no raceway left to carry it"
+    )]
+    TooDeep { bearing: String, load: f64, depth: f64 },
+    #[error("balls of bearing {bearing}, which has no cage, collide, which fixed steps do not resolve")]
+    Collision { bearing: String },
+    #[error("the motion of bearing {bearing} is no longer finite")]
+    NotFinite { bearing: String },
+}
+
+/// Steps in which a motion was lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepsOfLoss {
+    /// None: the state that the run starts from.
+    AtStart,
+    /// The step that the request selected [s].
+    Selected(f64),
+    /// Every step down to this one [s].
+    DownTo(f64),
+}
+
+impl StepsOfLoss {
+    /// Begin of a sentence about a time [s].
+    fn at(&self, time: f64) -> String {
+        match self {
+            Self::AtStart => "in the equilibrium that the run starts from".to_owned(),
+            Self::Selected(step) => format!("at t = {time:.6} s in steps of {:.3} µs", 1e6 * step),
+            Self::DownTo(step) => format!("at t = {time:.6} s, in steps down to {:.3} µs", 1e6 * step),
+        }
+    }
+
+    fn remedy(&self) -> &'static str {
+        match self {
+            Self::Selected(_) => {
+                "Reduce loads and unbalance, take larger bearings or a stiffer shaft, or leave step_us to the program"
+            }
+            Self::AtStart | Self::DownTo(_) => "Reduce loads and unbalance, or take larger bearings or a stiffer shaft",
+        }
+    }
 }
 
 fn at_speeds(speeds: &[f64; 2]) -> String {

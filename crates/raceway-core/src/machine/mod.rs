@@ -4,6 +4,7 @@
 //! no thread.
 
 pub mod channel;
+pub mod codes;
 pub mod input;
 pub mod result;
 pub mod run;
@@ -20,6 +21,8 @@ pub(crate) mod propagator;
 pub(crate) mod stepping;
 
 pub mod recording;
+
+mod warnings;
 
 #[cfg(test)]
 mod tests;

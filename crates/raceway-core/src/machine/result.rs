@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
+use super::codes::MachineWarning;
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
 use super::recording::{BearingRecord, MachineRecording};
@@ -10,6 +11,7 @@ use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
 use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{BodySpeeds, CharacteristicFrequencies, RingSpeeds, ideal_orbit_ratio};
 use crate::physics::operation::{RingRotation, SpeedProfile};
+use crate::simulation::error::stationarity::trend_of;
 use crate::simulation::input::settings::ENVELOPE_BAND;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::record::cage_slip;
@@ -35,6 +37,8 @@ pub struct MachineResult {
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
+    /// Reasons to doubt the numbers, and remarks on the steps.
+    pub warnings: Vec<MachineWarning>,
     /// Growth rate of the linear analysis at the first speed [1/s]; negative: all motions decay.
     pub growth_rate: Option<f64>,
 }
@@ -51,6 +55,8 @@ pub struct SignalMetrics {
     /// Of an acceleration [dB re 9.81 mm/s²].
     pub level_db: Option<f64>,
     pub bands: Vec<Band>,
+    /// Change of the level of an acceleration along the recorded time [dB], where it rises or falls throughout.
+    pub trend_db: Option<f64>,
 }
 
 /// Spectra of an acceleration with the labelled lines of its amplitude spectrum.
@@ -112,6 +118,7 @@ impl MachineResult {
             settle: recording.start,
             duration: recording.signals[0].1.len() as f64 / RATE,
             growth_rate: system.growth_rate(speed).ok(),
+            warnings: Vec::new(),
             accuracy,
             bearings,
         }
@@ -130,6 +137,7 @@ fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
         kurtosis: moments.kurtosis(),
         level_db: if is_acceleration { level_db(moments.rms()) } else { None },
         bands: if is_acceleration { in_band.bands.bands() } else { Vec::new() },
+        trend_db: if is_acceleration { trend_of(&in_band) } else { None },
     }
 }
 

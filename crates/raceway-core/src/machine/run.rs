@@ -3,17 +3,21 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
+use super::codes::{MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
-use super::input::{Machine, MachineError};
+use super::input::{Loss, Machine, MachineError, StepsOfLoss};
 use super::recording::{MachineRecording, Recorder};
 use super::result::{Accuracy, MachineResult};
 use super::settings::MachineSettings;
 use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength};
+use super::warnings::{limit_of_step, warnings};
 use crate::numerics::statistics::rms;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
+use crate::simulation::model::dynamics::on_ring::RingStepper;
+use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::solve::fixed_step::AXIAL_STEP;
 use crate::simulation::solve::startup::{CAGE_SETTLE_RANGE_S, MAX_SETTLE_S, SETTLE_CAGE_TURNS, SETTLED_EFOLDS};
 
@@ -45,28 +49,54 @@ pub fn simulate(
     let run = Run { machine, dynamics: &dynamics, start: &start, settle };
     let mut step = StepLength { longest: settings.step.unwrap_or_else(|| first_step(&dynamics)), share: 1.0 };
     let may_shorten = |step: StepLength| settings.step.is_none() && step.halved().full() >= SHORTEST;
-    let mut work = 0;
+    let rejected = |step: f64, cause| {
+        MachineWarning::StepRejected(RejectedStep { step, cause, limit: limit_of_step(&dynamics, step) })
+    };
+    let (mut rejections, mut work) = (Vec::new(), 0);
     let window = settings.duration.min(REPEATED);
     loop {
-        let recorded =
-            control.part((0.0, RUN_SHARE), |control| run.record(settings.duration, step, control, &mut work));
-        let recording = match recorded {
-            Err(MachineError::Diverged { .. }) if may_shorten(step) => {
+        let recorded = control
+            .part((0.0, RUN_SHARE), |control| run.record(settings.duration, step, control, &mut work))
+            .and_then(|recording| {
+                let half = step.halved();
+                let again = control.part((RUN_SHARE, 1.0), |control| run.record(window, half, control, &mut work))?;
+                Ok((recording, again))
+            });
+        let (recording, again) = match recorded {
+            Err(Unrecorded::Stopped(time)) => return Err(MachineError::Stopped(time)),
+            Err(Unrecorded::Lost { time, cause }) if may_shorten(step) => {
+                rejections.push(rejected(step.full(), StepCause::Lost { time, loss: cause }));
                 step = step.halved();
                 continue;
             }
-            recorded => recorded?,
+            Err(Unrecorded::Lost { time, cause }) => {
+                let steps = settings.step.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
+                return Err(MachineError::Lost { time, cause, steps });
+            }
+            Ok(both) => both,
         };
-        let again = control.part((RUN_SHARE, 1.0), |control| run.record(window, step.halved(), control, &mut work))?;
         let errors: Vec<_> = level_errors(&recording, &again);
-        let worst = errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
-        if worst > ALLOWED_DB && may_shorten(step) {
+        let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
+        let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
+        if let Some((channel, error_db)) = worst.filter(|(_, error)| *error > ALLOWED_DB && may_shorten(step)) {
+            rejections.push(rejected(step.full(), StepCause::Deviation { channel, error_db }));
             step = step.halved();
             continue;
         }
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work };
-        return Ok(MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy));
+        let mut result = MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy);
+        result.warnings = warnings(machine, &dynamics, settings, &result, ALLOWED_DB);
+        result.warnings.extend(rejections);
+        return Ok(result);
     }
+}
+
+/// Reason why a run recorded nothing.
+enum Unrecorded {
+    /// The caller no longer wants the result [s].
+    Stopped(f64),
+    /// No bearing can hold the motion any more.
+    Lost { time: f64, cause: Loss },
 }
 
 /// A run from the start.
@@ -85,7 +115,7 @@ impl Run<'_> {
         step: StepLength,
         control: &Control<'_>,
         work: &mut u64,
-    ) -> Result<MachineRecording, MachineError> {
+    ) -> Result<MachineRecording, Unrecorded> {
         let mut recorder = Recorder::new(self.machine, self.dynamics, self.settle, duration, step.full());
         let mut stepper = MachineStepper::new(self.dynamics, 0.0, self.start, step);
         let (mut steps, end) = (0_u64, recorder.end());
@@ -95,7 +125,7 @@ impl Run<'_> {
             steps += 1;
             if steps.is_multiple_of(STEPS_PER_LOOK) {
                 if (control.stop)() {
-                    return Err(MachineError::Stopped(stepper.time()));
+                    return Err(Unrecorded::Stopped(stepper.time()));
                 }
                 (control.progress)((stepper.time() / end).min(1.0));
                 self.check(&stepper)?;
@@ -107,22 +137,19 @@ impl Run<'_> {
     }
 
     /// Refuses a motion that no bearing can hold any more.
-    fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), MachineError> {
+    fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), Unrecorded> {
         let [place, velocity, _] = stepper.coordinates();
-        let is_held = |index: usize| {
-            let ring = self.dynamics.ring(index, place, velocity);
-            let moves = ring.position.iter().chain(&ring.tilt).all(|value| value.is_finite());
-            moves && self.dynamics.bearings[index].dynamics.mechanism().departure(ring.position, ring.tilt).is_none()
+        let loss = |(index, of): (usize, &RingStepper<'_>)| {
+            let (bearing, name) = (&self.dynamics.bearings[index], &self.machine.bearings[index].name);
+            let collision = of.touching().map(|_| Loss::Collision { bearing: name.clone() });
+            collision
+                .or_else(|| bearing.loss_of_ring(name, &self.dynamics.ring(index, place, velocity)))
+                .or_else(|| bearing.loss_of_balls(name, PackedStepLoads(of.step_loads())))
         };
-        let touches = stepper.bearings().iter().any(|bearing| bearing.touching().is_some());
-        let cause = if touches {
-            "balls of a bearing without a cage collide, which fixed steps do not resolve"
-        } else if (0..self.dynamics.bearings.len()).all(is_held) {
-            return Ok(());
-        } else {
-            "no ball of a bearing holds the shaft any more, or the steps are too long"
-        };
-        Err(MachineError::Diverged { time: stepper.time(), cause })
+        match stepper.bearings().iter().enumerate().find_map(loss) {
+            None => Ok(()),
+            Some(cause) => Err(Unrecorded::Lost { time: stepper.time(), cause }),
+        }
     }
 }
 

@@ -18,6 +18,6 @@ pub struct MachineSettings {
     pub series: Vec<MachineChannel>,
 }
 
-/// Highest frequency of the kept free modes over the band of the levels [-]. With the static answers of the rest, accelerations at a bearing's
-/// place are then within 0.001 dB of those of all modes (a bar of 300 mm on two bearings).
+/// Highest frequency of the kept free modes over the band of the levels [-]. With the static answers of the rest, levels are then within
+/// 0.003 dB of those of modes up to five times the band (docs/explanation/machine.md).
 pub const RANGE: f64 = 1.5;

@@ -1,7 +1,7 @@
 //! The state that a run starts from.
 
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineError};
+use super::input::{Machine, MachineError, StepsOfLoss};
 use crate::rotor::deflection::deflection;
 use crate::rotor::response::{of_load, of_unbalance};
 use crate::simulation::model::equilibrium::on_ring;
@@ -24,12 +24,15 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
     let (place, velocity) = (frame.from_analysis(&place), frame.from_analysis(&velocity));
     let mut state = Vec::new();
     for (index, bearing) in dynamics.bearings.iter().enumerate() {
-        let SpindleState { position: [x, y, z], tilt: [about_y, about_z], .. } =
-            dynamics.ring(index, &place, &velocity);
+        let (name, ring) = (&machine.bearings[index].name, dynamics.ring(index, &place, &velocity));
+        if let Some(cause) = bearing.loss_of_ring(name, &ring) {
+            return Err(MachineError::Lost { time: 0.0, cause, steps: StepsOfLoss::AtStart });
+        }
+        let SpindleState { position: [x, y, z], tilt: [about_y, about_z], .. } = ring;
         let force = frame.system.operating[0].rings[index].largest_loads.iter().copied().fold(0.0, f64::max);
         let mechanism = bearing.dynamics.mechanism();
         let rest = on_ring(mechanism, mechanism.rotation.speeds(0.0), [x, y, z, about_y, about_z], force)
-            .map_err(|source| MachineError::Bearing { bearing: index, source })?;
+            .map_err(|source| MachineError::Bearing { bearing: name.clone(), source })?;
         let mut part = vec![0.0; mechanism.layout.dimension()];
         for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {
             mechanism.layout.set_ball(&mut part, ball, &BallState { axial, radial, ..BallState::default() });

@@ -7,6 +7,8 @@
 //!
 //! A step ends at each kink of a load or of the speed. Short steps build the past of the steps after it.
 
+use nalgebra::DMatrix;
+
 use super::equations::MachineDynamics;
 use super::propagator::{NODES, Propagator};
 use crate::numerics::dense::solve;
@@ -123,6 +125,21 @@ impl Formulas {
         let (places, velocities) = (compliance(&propagator.place[0]), compliance(&propagator.velocity[0]));
         Self { propagator, ahead: ahead(known), places, velocities }
     }
+}
+
+/// Largest eigenvalue of K H [-] in steps of a length [s]: what a correction of the ports' forces changes the force of the balls by, over itself.
+/// K is the stiffness of the bearings at the operating point, H the compliance of the coordinates at the new node.
+pub(super) fn stiffness_of_step(dynamics: &MachineDynamics, step: f64) -> f64 {
+    let size = PORT * dynamics.bearings.len();
+    let places = Formulas::new(dynamics, step, NODES).places;
+    let mut product = vec![0.0; size * size];
+    let Some(point) = dynamics.frame.system.operating.first() else { return 0.0 };
+    for (index, (bearing, ring)) in dynamics.bearings.iter().zip(&point.rings).enumerate() {
+        let stiffness = bearing.mounted.along_shaft(&ring.stiffness.mean);
+        add_product(&mut product, PORT * index, &stiffness, &places);
+    }
+    let eigenvalues = DMatrix::from_row_slice(size, size, &product).complex_eigenvalues();
+    eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
 impl<'m> MachineStepper<'m> {

@@ -40,6 +40,7 @@ use crate::simulation::model::{Mechanism, Model};
 
 mod loads;
 mod power;
+mod warnings;
 
 const RPM: f64 = PI / 30.0;
 

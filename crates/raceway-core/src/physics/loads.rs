@@ -243,8 +243,12 @@ impl Load {
         }
     }
 
-    pub fn is_shock(&self) -> bool {
-        matches!(self, Self::Along(_, LoadCourse::Shock(_)))
+    /// The shock, if it is one.
+    pub fn shock(&self) -> Option<&Shock> {
+        match self {
+            Self::Along(_, LoadCourse::Shock(shock)) => Some(shock),
+            _ => None,
+        }
     }
 
     fn is_varying(&self) -> bool {

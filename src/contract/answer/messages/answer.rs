@@ -75,6 +75,8 @@ pub enum Severity {
 ///
 /// `merged-cage-lines`: Spectra do not separate lines that differ by the cage speed. Increase `duration_s`, or the speed.
 ///
+/// `overloaded`: A pressure of a machine's bearing deforms its raceway permanently, which the elastic model does not show. Reduce the load.
+///
 /// `candidate-rejected`: A model level or step was tried and rejected. Another one made the result.
 ///
 /// `model-not-eligible`: A model level was not tried. The text names the reason.
@@ -104,6 +106,7 @@ pub enum MessageCode {
     WavesLeftOut,
     TrackOffEquator,
     MergedCageLines,
+    Overloaded,
     CandidateRejected,
     ModelNotEligible,
     MethodChosen,

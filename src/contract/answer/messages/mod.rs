@@ -8,6 +8,7 @@ use raceway_core::simulation::result::metrics::SolverReport;
 mod answer;
 mod basis;
 mod candidates;
+mod machine;
 mod omissions;
 mod warnings;
 mod words;
@@ -17,6 +18,7 @@ pub use answer::{MessageAnswer, MessageCode, Severity};
 pub use basis::{check, choice_text, how};
 pub use candidates::of_not_eligible;
 use candidates::of_rejection;
+pub use machine::of_machine;
 pub use omissions::omission;
 pub use warnings::of_warning;
 

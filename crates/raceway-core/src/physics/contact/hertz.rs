@@ -47,6 +47,9 @@ impl HertzContact {
     }
 }
 
+/// Pressure of a permanent deformation of 10⁻⁴ of the ball diameter (ISO 76, ball bearings) [Pa].
+pub const STATIC_PRESSURE_LIMIT: f64 = 4.2e9;
+
 /// The contacts of a ball with both raceways.
 ///
 /// Curvatures of a ball in a groove of radius `f d`, γ with the contact angle of the kinematics. Inner ρ_x = (2/d)(1 +

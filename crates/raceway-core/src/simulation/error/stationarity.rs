@@ -13,7 +13,7 @@ use crate::simulation::input::channel::Channel;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::recording::record::{Quantities, Recording};
 use crate::simulation::recording::sampling::{BATCHES, REPEATED, kept_values};
-use crate::simulation::recording::windows::Signal;
+use crate::simulation::recording::windows::{InBand, Signal};
 
 /// Batches at each end of the recorded time whose mean levels define a trend.
 const END_BATCHES: usize = 3;
@@ -167,6 +167,12 @@ fn trend(mean_squares: &[f64]) -> Option<f64> {
     let middle = 0.5 * (BATCHES - 1) as f64;
     let residual: Vec<f64> = levels.iter().enumerate().map(|(i, level)| level - slope * (i as f64 - middle)).collect();
     (change.abs() > NOTABLE_CHANGE_DB && rms(&residual) < TREND_RESIDUAL * change.abs()).then_some(change)
+}
+
+/// Change of the level of one signal along the recorded time [dB]; `None` if it is quiet, too short, or has no trend.
+pub(crate) fn trend_of(in_band: &InBand) -> Option<f64> {
+    let is_judged = in_band.moments.count() >= kept_values(REPEATED) && in_band.moments.rms() >= QUIET;
+    if is_judged { trend(&in_parts(&in_band.mean_squares, BATCHES)) } else { None }
 }
 
 /// True if a signal is long enough for batch means.

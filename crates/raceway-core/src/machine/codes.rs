@@ -1,0 +1,63 @@
+//! Codes with numbers that a run reports about itself. The text of each is defined outside this crate.
+
+use super::channel::MachineChannel;
+use super::input::Loss;
+
+/// A reason to doubt a number of a run, or a remark. Bearings count from 0.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MachineWarning {
+    /// Free motion of the start decays with this time constant [s], infinite where nothing damps it; `settle` [s] is too short, `required` [s]
+    /// is enough.
+    StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
+    /// A level rises or falls throughout the recorded time [dB].
+    NotStationary { channel: MachineChannel, change_db: f64 },
+    /// Half steps still change a level by more than is allowed [dB]. `is_selected`: the request selected the step [s].
+    Uncertain { channel: MachineChannel, error_db: f64, allowed_db: f64, step: f64, is_selected: bool },
+    /// Only a first window [s] was repeated, and something changes after it. Half steps of `step` [s] would show the error.
+    PartlyVerified { window: f64, change: LaterChange, step: f64 },
+    /// The largest pressure in a bearing [Pa] deforms its raceways permanently.
+    Overloaded { bearing: usize, load: f64, pressure: f64 },
+    /// Longer steps were tried and rejected.
+    StepRejected(RejectedStep),
+}
+
+/// Change after the verified time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LaterChange {
+    Speed,
+    /// Place of a load in the list of the scene. `at`: begin of a shock [s].
+    Load {
+        place: usize,
+        at: Option<f64>,
+    },
+}
+
+/// A step that did not become that of the result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RejectedStep {
+    /// [s]
+    pub step: f64,
+    pub cause: StepCause,
+    /// The property of the machine that such steps do not resolve, where there is one.
+    pub limit: Option<StepLimit>,
+}
+
+/// Cause of the rejection of a step.
+#[derive(Debug, Clone, PartialEq)]
+pub enum StepCause {
+    /// The motion was lost at a time [s].
+    Lost { time: f64, loss: Loss },
+    /// Half steps change a level [dB].
+    Deviation { channel: MachineChannel, error_db: f64 },
+}
+
+/// Property of a machine that needs short steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepLimit {
+    /// Dashpots of supports couple the motions of the shaft.
+    Dashpots,
+    /// Gyroscopic moments do.
+    Gyroscopic,
+    /// The bearings are stiff against the inertia of the shaft at their places.
+    BearingStiffness,
+}

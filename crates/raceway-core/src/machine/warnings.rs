@@ -1,0 +1,107 @@
+//! Reasons to doubt the numbers of a run, and what limits its steps.
+
+use super::channel::MachineChannel;
+use super::codes::{LaterChange, MachineWarning, StepLimit};
+use super::equations::MachineDynamics;
+use super::input::Machine;
+use super::result::{BearingMetrics, MachineResult, SignalMetrics};
+use super::settings::MachineSettings;
+use super::stepping::stiffness_of_step;
+use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
+use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
+use crate::simulation::solve::startup::SETTLED_EFOLDS;
+
+/// Largest change of a velocity in a step by the velocities of other coordinates, which are taken explicitly, over these velocities [-].
+const MOST_COUPLING: f64 = 0.2;
+/// Largest eigenvalue of K H [-] up to which the correction of the ports' forces is stable.
+const MOST_STIFFNESS: f64 = 0.1;
+
+/// What limits steps of a length [s] most; `None` where nothing does.
+pub(super) fn limit_of_step(dynamics: &MachineDynamics, step: f64) -> Option<StepLimit> {
+    let [dashpots, gyroscopic] = dynamics.frame.coupling_rates(dynamics.speed.largest());
+    let measures = [
+        (StepLimit::Dashpots, step * dashpots / MOST_COUPLING),
+        (StepLimit::Gyroscopic, step * gyroscopic / MOST_COUPLING),
+        (StepLimit::BearingStiffness, stiffness_of_step(dynamics, step) / MOST_STIFFNESS),
+    ];
+    let most = measures.into_iter().max_by(|one, other| one.1.total_cmp(&other.1));
+    most.filter(|(_, measure)| *measure > 1.0).map(|(limit, _)| limit)
+}
+
+/// Reasons to doubt the numbers of a run.
+pub(super) fn warnings(
+    machine: &Machine,
+    dynamics: &MachineDynamics,
+    settings: &MachineSettings,
+    result: &MachineResult,
+    allowed_db: f64,
+) -> Vec<MachineWarning> {
+    let of_step = || uncertain(settings, result, allowed_db).or_else(|| partly_verified(machine, result));
+    let start = start_transient(machine, result);
+    let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
+    let bearings = result.bearings.iter().enumerate();
+    let overloaded = bearings.filter_map(|(index, metrics)| overloaded(dynamics, index, metrics));
+    of_step().into_iter().chain(start).chain(trends).chain(overloaded).collect()
+}
+
+/// Free motion that may remain from the start, by the linear analysis at the first speed.
+fn start_transient(machine: &Machine, result: &MachineResult) -> Option<MachineWarning> {
+    let (decay, settle) = (-result.growth_rate?, result.settle);
+    let constant_speed = machine.speed.is_constant();
+    let decay = decay.max(0.0);
+    let warning = MachineWarning::StartTransient {
+        time_constant: 1.0 / decay,
+        settle,
+        required: SETTLED_EFOLDS / decay,
+        constant_speed,
+    };
+    (settle * decay < MIN_DECAY_EFOLDS).then_some(warning)
+}
+
+/// The level whose error by the steps is largest, if it is too large.
+fn uncertain(settings: &MachineSettings, result: &MachineResult, allowed_db: f64) -> Option<MachineWarning> {
+    let known = result.accuracy.errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
+    let (channel, error_db) = known.max_by(|one, other| one.1.total_cmp(&other.1))?;
+    let (step, is_selected) = (result.accuracy.step, settings.step.is_some());
+    let warning = MachineWarning::Uncertain { channel, error_db, allowed_db, step, is_selected };
+    (error_db > allowed_db).then_some(warning)
+}
+
+/// A change of speed or load within the record, after the time that was repeated.
+fn partly_verified(machine: &Machine, result: &MachineResult) -> Option<MachineWarning> {
+    let window = result.accuracy.window;
+    let (verified, end) = (result.settle + window, result.settle + result.duration);
+    let is_later = |from: f64, to: f64| to > verified && from < end;
+    let loads = machine.rotor.loads.iter().enumerate();
+    let shock = |place: usize| machine.rotor.loads[place].load.shock().map(|shock| shock.at);
+    let changing = loads.filter_map(|(place, load)| Some((place, load.load.end()?)));
+    let mut later = changing.filter(|&(place, to)| is_later(shock(place).unwrap_or(0.0), to));
+    let load = later.next().map(|(place, _)| LaterChange::Load { place, at: shock(place) });
+    let turns = !machine.speed.is_constant() && machine.speed.end() > verified;
+    let change = load.or(turns.then_some(LaterChange::Speed))?;
+    Some(MachineWarning::PartlyVerified { window, change, step: result.accuracy.step })
+}
+
+/// True where neither speed nor loads change after settling but periodically.
+fn is_steady(machine: &Machine, settle: f64) -> bool {
+    let ends = machine.rotor.loads.iter().filter_map(|load| load.load.end());
+    ends.fold(0.0, f64::max) <= settle && (machine.speed.is_constant() || machine.speed.end() <= settle)
+}
+
+/// The accelerations whose levels rise or fall throughout the recorded time.
+fn not_stationary(result: &MachineResult) -> Vec<MachineWarning> {
+    let change = |(channel, metrics): &(MachineChannel, SignalMetrics)| {
+        Some(MachineWarning::NotStationary { channel: *channel, change_db: metrics.trend_db? })
+    };
+    result.channels.iter().filter_map(change).collect()
+}
+
+/// The largest pressure of a bearing over the recorded time, if it is too large.
+fn overloaded(dynamics: &MachineDynamics, bearing: usize, metrics: &BearingMetrics) -> Option<MachineWarning> {
+    let raceway = &dynamics.bearings[bearing].dynamics.mechanism().raceway;
+    let record = &metrics.record;
+    let of = [(&raceway.inner, record.inner_load), (&raceway.outer, record.outer_load)];
+    let pressures = of.map(|(contact, load)| (load, contact.hertz().max_pressure(load)));
+    let (load, pressure) = pressures.into_iter().max_by(|one, other| one.1.total_cmp(&other.1))?;
+    (pressure > STATIC_PRESSURE_LIMIT).then_some(MachineWarning::Overloaded { bearing, load, pressure })
+}

@@ -1,0 +1,145 @@
+//! Messages of a machine.
+
+use raceway_core::machine::codes::{LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
+use raceway_core::machine::input::Machine;
+use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
+use serde_json::{Value, json};
+
+use super::answer::{MessageAnswer, MessageCode, Severity, message};
+use super::words::{numbers, time};
+use crate::contract::json::limits;
+use crate::contract::json::numbers::significant;
+use crate::contract::json::units::US;
+
+/// Longest time constant that is shown as a number [s].
+const LONGEST_SHOWN_S: f64 = 1000.0;
+
+/// The message of a warning, or of a remark.
+pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer {
+    let mut severity = Severity::Warning;
+    let (code, text, values): (MessageCode, String, Vec<(&str, Value)>) = match warning {
+        MachineWarning::StartTransient { time_constant, settle, required, constant_speed } => {
+            let is_short = *time_constant <= LONGEST_SHOWN_S;
+            let time_constant_s = significant(*time_constant, 3);
+            let shown = if is_short { time_constant_s.to_string() } else { format!("more than {LONGEST_SHOWN_S}") };
+            let longest = limits::of_rotor_field("/settle_s").map_or(0.0, |limits| limits.highest);
+            let remedy = if *required > longest {
+                "More damping of the shaft, or a larger load of its bearings, shortens it.".to_owned()
+            } else if *constant_speed {
+                format!("Set settle_s to {required:.2}.")
+            } else {
+                format!("Hold the first speed for {required:.2} s before anything is recorded.")
+            };
+            let text = format!(
+                "The recorded time may contain free motion from the start: the slowest of shaft and bearings decays with a time constant of \
+                 {shown} s, and settle_s is {}. {remedy}",
+                significant(*settle, 3)
+            );
+            let values = [("time_constant_s", *time_constant), ("required_settle_s", *required)];
+            (MessageCode::StartTransient, text, if is_short { numbers(&values) } else { vec![] })
+        }
+        MachineWarning::NotStationary { channel, change_db } => {
+            let channel = channel.named(machine).to_string();
+            let text = format!(
+                "Level not stationary: {channel} changed by {change_db:+.1} dB during the recorded time. Increase settle_s, or duration_s if \
+                 the level oscillates."
+            );
+            let values = vec![("channel", json!(channel)), ("change_db", json!(significant(*change_db, 3)))];
+            (MessageCode::NotStationary, text, values)
+        }
+        MachineWarning::Uncertain { channel, error_db, allowed_db, step, is_selected } => {
+            let channel = channel.named(machine).to_string();
+            let half = significant(0.5 * US.to_user(*step), 2);
+            let remedy = match is_selected {
+                true => format!("Leave step_us to the program, or set it to {half}."),
+                false => format!(
+                    "Set step_us to {half}; if that changes nothing, the motion is irregular and its level that of a sample."
+                ),
+            };
+            let text = format!(
+                "The level of {channel} has an error of {} dB, more than {allowed_db} dB: half of the steps of {} µs change it. {remedy}",
+                significant(*error_db, 2),
+                significant(US.to_user(*step), 3)
+            );
+            let values = vec![("channel", json!(channel)), ("level_error_db", json!(significant(*error_db, 3)))];
+            (MessageCode::Uncertain, text, values)
+        }
+        MachineWarning::PartlyVerified { window, change, step } => {
+            let later = match change {
+                LaterChange::Speed => "the speed changes after it".to_owned(),
+                LaterChange::Load { place, at: None } => format!("operation.loads[{place}] changes after it"),
+                LaterChange::Load { place, at: Some(at) } => {
+                    format!("the shock of operation.loads[{place}] begins at t = {} s", significant(*at, 4))
+                }
+            };
+            let text = format!(
+                "The level errors were verified over the first {} of the recorded time only, and {later}. Compare with a run whose step_us \
+                 is {}.",
+                time(*window),
+                significant(0.5 * US.to_user(*step), 3)
+            );
+            (MessageCode::PartlyVerified, text, numbers(&[("window_s", *window)]))
+        }
+        MachineWarning::Overloaded { bearing, load, pressure } => {
+            let name = &machine.bearings[*bearing].name;
+            let pressure_mpa = significant(pressure / 1e6, 3);
+            let text = format!(
+                "The largest pressure in bearing {name} was {pressure_mpa} MPa, at a ball load of {} N. Above {:.0} MPa the raceway deforms \
+                 permanently, and the model is elastic. Reduce the load, or take a larger bearing.",
+                significant(*load, 3),
+                STATIC_PRESSURE_LIMIT / 1e6
+            );
+            let values = vec![
+                ("bearing", json!(name)),
+                ("pressure_mpa", json!(pressure_mpa)),
+                ("ball_load_n", json!(significant(*load, 3))),
+            ];
+            (MessageCode::Overloaded, text, values)
+        }
+        MachineWarning::StepRejected(rejected) => {
+            severity = Severity::Info;
+            of_rejected_step(machine, rejected)
+        }
+    };
+    message(code, severity, text, values)
+}
+
+fn of_rejected_step(
+    machine: &Machine,
+    RejectedStep { step, cause, limit }: &RejectedStep,
+) -> (MessageCode, String, Vec<(&'static str, Value)>) {
+    let mut values = vec![("step_s", json!(step))];
+    let cause = match cause {
+        StepCause::Lost { time, loss } => format!("at t = {} s, {loss}", significant(*time, 3)),
+        StepCause::Deviation { channel, error_db } => {
+            let channel = channel.named(machine).to_string();
+            let error_db = significant(*error_db, 2);
+            values.extend([("channel", json!(channel)), ("level_error_db", json!(error_db))]);
+            format!("half of them change the level of {channel}, an error of {error_db} dB")
+        }
+    };
+    let limit = limit.map(|limit| {
+        let (name, text) = match limit {
+            StepLimit::Dashpots => (
+                "dashpots",
+                "Dashpots of supports couple motions of the shaft so strongly that they need short steps; less damping allows longer ones.",
+            ),
+            StepLimit::Gyroscopic => (
+                "gyroscopic-moments",
+                "Gyroscopic moments couple motions of the shaft so strongly that they need short steps.",
+            ),
+            StepLimit::BearingStiffness => (
+                "bearing-stiffness",
+                "The bearings are so stiff against the inertia of the shaft at their places that they need short steps.",
+            ),
+        };
+        values.push(("limit", json!(name)));
+        format!(" {text}")
+    });
+    let text = format!(
+        "Steps of {} µs were rejected: {cause}.{}",
+        significant(US.to_user(*step), 3),
+        limit.unwrap_or_default()
+    );
+    (MessageCode::CandidateRejected, text, values)
+}
