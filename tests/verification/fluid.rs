@@ -46,7 +46,7 @@ fn short_bearing() {
     let (clearance, diameter, width, speed) = (100e-6, 15e-3, 1e-3, 2000.0);
     let land = Land::new(&GuidingLand { clearance, diameter, width }, &oil);
     for (case, ratio) in [("ocvirk-0.2", 0.2), ("ocvirk-0.5", 0.5), ("ocvirk-0.8", 0.8)] {
-        let (force, _) = land.load([0.0, ratio * 0.5 * clearance, 0.0], speed);
+        let (force, _) = land.load([0.0, ratio * 0.5 * clearance, 0.0], speed, 0.0);
         let load = force[1].hypot(force[2]);
         let sommerfeld = oil.viscosity * speed / TAU * width * diameter / load * (diameter / clearance).powi(2);
         let attitude = force[2].abs().atan2(-force[1]).to_degrees();
