@@ -36,12 +36,12 @@ pub(super) fn warnings(
     result: &MachineResult,
     allowed_db: f64,
 ) -> Vec<MachineWarning> {
-    let of_step = || uncertain(settings, result, allowed_db).or_else(|| partly_verified(machine, result));
+    let of_steps = uncertain(settings, result, allowed_db).into_iter().chain(partly_verified(machine, result));
     let start = start_transient(machine, result);
     let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
     let bearings = result.bearings.iter().enumerate();
     let overloaded = bearings.filter_map(|(index, metrics)| overloaded(dynamics, index, metrics));
-    of_step().into_iter().chain(start).chain(trends).chain(overloaded).collect()
+    of_steps.chain(start).chain(trends).chain(overloaded).collect()
 }
 
 /// Free motion that may remain from the start, by the linear analysis at the first speed.
