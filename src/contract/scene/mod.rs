@@ -14,6 +14,8 @@ pub mod spindle;
 pub mod surfaces;
 pub mod terms;
 
+pub mod housing;
+pub mod outer_ring;
 pub mod rotor_bearings;
 pub mod rotor_scene;
 pub mod shaft;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
+use super::housing::HousingInput;
 use super::loads::LoadInput;
 use super::operation::SpeedInput;
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
@@ -12,7 +13,7 @@ use super::shaft::{ElementsName, ShaftInput, check_place};
 use super::shaft_loads;
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
-use crate::contract::json::shapes::{object, optional_list};
+use crate::contract::json::shapes::{object, optional_list, optional_object};
 use crate::contract::json::units::MM;
 use raceway_core::machine::input::Sensor;
 use raceway_core::physics::defaults::GRAVITY;
@@ -29,6 +30,10 @@ pub struct RotorSceneInput {
     /// The shaft with its discs and unbalance.
     #[serde(deserialize_with = "object")]
     pub shaft: ShaftInput,
+    /// Bodies and mounts of the housing. Default: the ground holds everything.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub housing: Option<HousingInput>,
     /// Linear supports, in place of ball bearings or beside them.
     #[serde(default, deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
@@ -99,7 +104,7 @@ pub struct RotorOperationInput {
 
 const MAX_SENSORS: usize = 16;
 /// Fields of the system around a bearing that no analysis takes yet.
-const NOT_YET: [&str; 4] = ["housing", "thermal", "fits", "terms"];
+const NOT_YET: [&str; 3] = ["thermal", "fits", "terms"];
 /// Fields that each bearing has of its own.
 const OF_BEARINGS: [&str; 3] = ["surfaces", "damping", "lubricant"];
 
@@ -158,11 +163,21 @@ impl RotorSceneInput {
         defaults.check_of_rotor("/scene/gravity_m_s2", gravity);
         let length_mm: f64 = self.shaft.sections.iter().map(|section| section.length_mm).sum();
         let (shaft, unbalances) = self.shaft.resolve(defaults, load[0]);
-        let supports = self.supports.as_mut().map(|supports| supports::resolve(supports, defaults, length_mm));
+        let housing = self.housing.as_mut().map(|housing| housing.resolve(defaults)).unwrap_or_default();
+        let in_housing = self.housing.as_ref();
+        let supports = self.supports.as_mut();
+        let supports = supports.map(|supports| supports::resolve(supports, defaults, length_mm, in_housing));
         if self.bearings.as_ref().is_some_and(Vec::is_empty) {
             defaults.refuse("/scene/bearings", "0 items: must be from 1 to 8");
         }
-        let bearings = self.bearings.as_mut().map(|bearings| rotor_bearings::resolve(bearings, defaults, length_mm));
+        let bearings = self.bearings.as_mut();
+        let bearings = bearings.map(|bearings| rotor_bearings::resolve(bearings, defaults, length_mm, in_housing));
+        for (index, body) in self.housing.iter().flat_map(|housing| &housing.bodies).enumerate() {
+            if self.bearings.iter().flatten().any(|bearing| bearing.name == body.name) {
+                let pointer = format!("/scene/housing/bodies/{index}/name");
+                defaults.refuse(pointer, format!("`{}` is the name of a bearing", body.name));
+            }
+        }
         let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
         let inputs = self.bearings.as_deref().unwrap_or_default();
         if inputs.is_empty() && self.supports.as_ref().is_none_or(Vec::is_empty) {
@@ -177,7 +192,17 @@ impl RotorSceneInput {
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
         let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, length_mm, &shaft);
         ResolvedRotor {
-            rotor: Rotor { shaft, unbalances, supports, bearings, speed: speed.at(0.0).1, gravity, load, loads },
+            rotor: Rotor {
+                shaft,
+                unbalances,
+                supports,
+                bearings,
+                housing,
+                speed: speed.at(0.0).1,
+                gravity,
+                load,
+                loads,
+            },
             speed,
             elements,
             scenes,

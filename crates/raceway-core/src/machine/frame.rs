@@ -82,27 +82,17 @@ impl Frame {
         let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND, stop)?;
         let system = System::of(rotor, mesh, count, &[rotor.speed])?;
         let size = system.coordinates.len();
-        let own: Vec<f64> = system.coordinates.squares().collect();
-        let (mut stiffness, mut damping) =
-            (DMatrix::from_diagonal(&DVector::from_vec(own.clone())), DMatrix::zeros(size, size));
-        for (place, square) in own.iter().enumerate() {
-            damping[(place, place)] = 2.0 * rotor.shaft.damping_ratio * square.sqrt();
-        }
-        for (port, _) in system.ports.iter().zip(&rotor.supports) {
-            let (k, c) = system.of_port(port, 0.0);
-            stiffness += port.rows.transpose() * k * &port.rows;
-            damping += port.rows.transpose() * c * &port.rows;
-        }
-        let symmetric = 0.5 * (&stiffness + stiffness.transpose());
-        let (squares, basis) = match rotor.supports.is_empty() {
-            true => (own, DMatrix::identity(size, size)),
+        let [stiffness, damping] = &system.linear;
+        let symmetric = 0.5 * (stiffness + stiffness.transpose());
+        let (squares, basis) = match system.springs.is_empty() {
+            true => (system.coordinates.squares().collect(), DMatrix::identity(size, size)),
             false => {
                 let eigen = SymmetricEigen::new(symmetric.clone());
                 (eigen.eigenvalues.iter().map(|square| square.max(0.0)).collect(), eigen.eigenvectors)
             }
         };
         let turned = |matrix: &DMatrix<f64>| basis.transpose() * matrix * &basis;
-        let damping = turned(&damping);
+        let damping = turned(damping);
         let own_damping: Vec<f64> = damping.diagonal().iter().copied().collect();
         let rows = |at: f64| Rows::of(&(system.coordinates.port(system.coordinates.mesh.node(at)) * &basis));
         let over =
@@ -118,7 +108,7 @@ impl Frame {
                 by_speed: Rest::of(&turned(system.gyroscopic())),
             },
             place: Coupling {
-                constant: Rest::of(&turned(&(&stiffness - symmetric))),
+                constant: Rest::of(&turned(&(stiffness - symmetric))),
                 by_speed: Rest::of(&turned(system.rotating())),
             },
             ports: rotor.bearings.iter().map(|bearing| rows(bearing.at)).collect(),

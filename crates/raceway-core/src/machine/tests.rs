@@ -19,6 +19,7 @@ use crate::physics::contact::damping::DampingLaw;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
+use crate::physics::frame::housing::Housing;
 use crate::physics::frame::shaft::{Section, Shaft};
 use crate::physics::frames::dot;
 use crate::physics::operation::SpeedProfile;
@@ -28,7 +29,7 @@ use crate::physics::spindle::{AxialHold, Spindle, SpindleInertia, SpindleTilt, U
 use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
 use crate::rotor::analysis::analyse;
-use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
+use crate::rotor::input::{Elements, Request, Rotor, RotorBearing, Seat};
 use crate::simulation::input::channel::{Axis, BallContact, Motion};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
@@ -54,6 +55,8 @@ fn motor_spindle() -> Machine {
         at: mounted.at,
         mounted: Mounted { at: 0.0, ..mounted },
         damping: scene.raceway_damping.resolve(),
+        on: None,
+        seat: Seat::Rigid,
     });
     Machine {
         rotor: Rotor {
@@ -68,6 +71,7 @@ fn motor_spindle() -> Machine {
             unbalances: vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.3 }],
             supports: Vec::new(),
             bearings: bearings.collect(),
+            housing: Housing::default(),
             speed: 6000.0 * RPM,
             gravity: 9.81,
             load: [0.0, 100.0, 0.0],

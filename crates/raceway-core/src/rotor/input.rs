@@ -1,19 +1,16 @@
 //! Input of a rotor analysis.
 
-use nalgebra::DMatrix;
-
 use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
+use crate::physics::frame::housing::Housing;
 use crate::physics::frame::shaft::Shaft;
-use crate::physics::frame::support::{PORT, Support};
+use crate::physics::frame::support::{PortMatrix, Support};
 use crate::physics::loads::{Load, SpindleLoad, start_and_largest_change};
 use crate::physics::statics::ring::NoBalance;
-use crate::physics::statics::shaft::Mounted;
+use crate::physics::statics::shaft::{Mounted, Spring};
 
 /// Largest slope of the shaft under its loads [rad]: its sine is smaller by 0.2 %.
 pub(super) const MOST_SLOPE: f64 = 0.1;
-/// Smallest stiffness of a rigid motion that holds it, relative to the largest [-]: below it, rounding decides.
-const LEAST_STIFFNESS: f64 = 1e-12;
 
 /// A ball bearing on a shaft.
 #[derive(Debug, Clone)]
@@ -24,6 +21,32 @@ pub struct RotorBearing {
     pub mounted: Mounted,
     /// Damping of its contacts.
     pub damping: DampingFactor,
+    /// Number of the housing body that holds its outer ring; `None`: the ground.
+    pub on: Option<usize>,
+    pub seat: Seat,
+}
+
+/// Seat of an outer ring in its body or in the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Seat {
+    /// The ring moves with its body, whose mass contains it.
+    Rigid,
+    /// The ring is a body of its own on a spring and a dashpot. Mass [kg] and inertia about a diameter [kg m²].
+    Elastic { mass: f64, inertia: f64, stiffness: PortMatrix, damping: PortMatrix },
+    /// The ring slides along X on a spring that loads its balls, with its mass [kg] and damping [N s/m]; it moves with its body otherwise.
+    Sliding { mass: f64, spring: Spring, damping: f64 },
+}
+
+impl RotorBearing {
+    /// Place of its outer ring along the shaft [m].
+    pub fn outer_ring(&self) -> f64 {
+        self.at + self.mounted.outer[0]
+    }
+
+    /// Whether its outer ring moves.
+    pub fn has_moving_outer_ring(&self) -> bool {
+        self.on.is_some() || self.seat != Seat::Rigid
+    }
 }
 
 /// A load on a place of the shaft [m].
@@ -40,13 +63,14 @@ impl PlacedLoad {
     }
 }
 
-/// A shaft on linear supports and ball bearings.
+/// A shaft on linear supports and ball bearings, which stand in a housing or on the ground.
 #[derive(Debug, Clone)]
 pub struct Rotor {
     pub shaft: Shaft,
     pub unbalances: Vec<UnbalancePlane>,
     pub supports: Vec<Support>,
     pub bearings: Vec<RotorBearing>,
+    pub housing: Housing,
     /// Operating speed [rad/s].
     pub speed: f64,
     /// Acceleration along +Y [m/s²].
@@ -58,6 +82,11 @@ pub struct Rotor {
 }
 
 impl Rotor {
+    /// Whether something beside the shaft moves.
+    pub fn has_moving_housing(&self) -> bool {
+        !self.housing.bodies.is_empty() || self.bearings.iter().any(RotorBearing::has_moving_outer_ring)
+    }
+
     /// Places of the shaft at which something acts, rising [m].
     pub fn places(&self) -> Vec<f64> {
         let discs = self.shaft.discs.iter().map(|disc| disc.at);
@@ -65,26 +94,6 @@ impl Rotor {
         let held = self.supports.iter().map(|support| support.at).chain(self.bearings.iter().map(|bearing| bearing.at));
         let loaded = self.loads.iter().map(|load| load.at);
         rising(discs.chain(planes).chain(held).chain(loaded).collect())
-    }
-
-    /// Whether the supports' springs hold every rigid motion of the shaft. Bearings are left out.
-    pub fn is_restrained(&self) -> bool {
-        let (length, centre) = (self.shaft.length(), self.shaft.mass_centre());
-        let size = if self.shaft.is_axially_free { PORT } else { PORT - 1 };
-        let mut stiffness = DMatrix::<f64>::zeros(PORT, PORT);
-        for support in &self.supports {
-            // Displacements of the support from those of the mass centre; tilts times the length are displacements.
-            let arm = (support.at - centre) / length;
-            let mut rows = DMatrix::<f64>::identity(PORT, PORT);
-            (rows[(1, 4)], rows[(2, 3)]) = (arm, -arm);
-            (rows[(3, 3)], rows[(4, 4)]) = (1.0 / length, 1.0 / length);
-            let of_port = DMatrix::from_fn(PORT, PORT, |row, column| support.stiffness[row][column]);
-            stiffness += rows.transpose() * of_port * rows;
-        }
-        let symmetric = 0.5 * (&stiffness + stiffness.transpose());
-        let held = symmetric.view((PORT - size, PORT - size), (size, size)).into_owned();
-        let least = held.clone().symmetric_eigenvalues().min();
-        least > LEAST_STIFFNESS * held.amax()
     }
 }
 

@@ -30,6 +30,7 @@ fn oscillator(ratio: f64) -> Machine {
     rotor.supports = [0.0, 0.3]
         .map(|at| Support {
             at,
+            on: None,
             stiffness: diagonal([0.0, stiffness, stiffness, 0.0, 0.0]),
             damping: diagonal([0.0, damping, damping, 0.0, 0.0]),
         })
