@@ -3,7 +3,7 @@
 use raceway_core::rotor::analysis::analyse;
 use raceway_core::rotor::input::RotorError;
 use raceway_core::rotor::result::{
-    BearingResult, BodyResult, Complex, Critical, Direction, Mode, ModePoint, RotorResult, SupportForces,
+    BearingResult, BodyResult, Complex, Critical, Direction, Mode, ModePoint, RotorResult, SensorResult, SupportForces,
 };
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -13,6 +13,7 @@ use super::rotor_model::RotorModelAnswer;
 use crate::contract::job::rotor::RotorJob;
 use crate::contract::json::units::{DEG, MM, MRAD, RPM, UM};
 use crate::contract::scene::housing::BodyInput;
+use crate::contract::scene::rotor_scene::SensorInput;
 
 /// Result of a rotor job. Phases are those of cos(Ωt + phase), t = 0 where the shaft's angle is 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -43,6 +44,9 @@ pub struct RotorAnswer {
     /// The bodies of the housing; absent without housing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<RotorBodyAnswer>,
+    /// The sensors; absent without sensors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<RotorSensorAnswer>,
     /// The bearings at the operating point; absent without bearings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bearings: Vec<RotorBearingAnswer>,
@@ -179,6 +183,21 @@ pub struct RotorBodyAnswer {
     pub z_phase_deg: Vec<f64>,
 }
 
+/// A sensor: its static reading, and its response to unbalance, with a value for each speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RotorSensorAnswer {
+    /// Name.
+    pub name: String,
+    /// Static displacement at the operating speed [µm].
+    pub static_um: f64,
+    /// Amplitude of the displacement [µm].
+    pub displacement_um: Vec<f64>,
+    /// Phase of the displacement [°].
+    pub phase_deg: Vec<f64>,
+    /// Amplitude of the acceleration [m/s²].
+    pub acceleration_m_s2: Vec<f64>,
+}
+
 /// Response to unbalance at one place, with a value for each speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ResponseAnswer {
@@ -290,6 +309,7 @@ fn answer(job: &RotorJob, result: &RotorResult, model: RotorModelAnswer) -> Roto
         supports: result.supports.iter().map(forces_answer).collect(),
         mounts: result.mounts.iter().map(forces_answer).collect(),
         bodies: bodies(job, result),
+        sensors: sensors(job, result),
         bearings: bearings(job, result),
         at_rest: DeflectionAnswer { x_um: um(0), y_um: um(1), z_um: um(2) },
         model,
@@ -329,6 +349,20 @@ fn bodies(job: &RotorJob, result: &RotorResult) -> Vec<RotorBodyAnswer> {
         }
     };
     bodies_of(job).zip(&result.bodies).map(of).collect()
+}
+
+fn sensors(job: &RotorJob, result: &RotorResult) -> Vec<RotorSensorAnswer> {
+    let of = |(sensor, seen): (&SensorInput, &SensorResult)| {
+        let speeds = seen.response.iter().zip(&job.request.speeds);
+        RotorSensorAnswer {
+            name: sensor.name.clone(),
+            static_um: UM.to_user(seen.at_rest),
+            displacement_um: seen.response.iter().map(|value| UM.to_user(value.norm())).collect(),
+            phase_deg: seen.response.iter().map(|value| phase_deg(*value)).collect(),
+            acceleration_m_s2: speeds.map(|(value, speed)| value.norm() * speed * speed).collect(),
+        }
+    };
+    job.input.scene.sensors.iter().flatten().zip(&result.sensors).map(of).collect()
 }
 
 fn bearings(job: &RotorJob, result: &RotorResult) -> Vec<RotorBearingAnswer> {

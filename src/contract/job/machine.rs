@@ -190,7 +190,8 @@ fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut
         bearings.push(MachineBearing { name: input.name.clone(), scene: scene.clone(), start_azimuth: azimuth });
     }
     let rotor = Rotor { speed: speed.at(0.0).1, ..rotor.clone() };
-    Some(Machine { rotor, bearings, speed: speed.clone(), sensors: sensors.clone() })
+    let bodies = scene.housing.iter().flat_map(|housing| &housing.bodies).map(|body| body.name.clone()).collect();
+    Some(Machine { rotor, bearings, speed: speed.clone(), sensors: sensors.clone(), bodies })
 }
 
 /// Times, accuracy and outputs of the run. Errors are noted in `defaults`.

@@ -141,10 +141,10 @@ impl RotorJob {
         let speeds_rpm = speeds(input, draft.resolved.speed.largest(), defaults);
         let modes = defaults.fill("/modes", &mut input.modes, MODES);
         defaults.check_of_rotor("/modes", f64::from(modes));
-        let (submission, input, ResolvedRotor { rotor, elements, speed, .. }) = draft.finish()?;
+        let (submission, input, ResolvedRotor { rotor, elements, speed, sensors, .. }) = draft.finish()?;
         let rotor = Rotor { speed: speed.largest(), ..rotor };
         let speeds = speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect();
-        let request = Request { elements, speeds, modes: modes as usize };
+        let request = Request { elements, speeds, modes: modes as usize, sensors };
         Ok(Self { submission, input, rotor, request, speeds_rpm })
     }
 

@@ -84,7 +84,7 @@ const OF_A_ROTOR: [FieldLimits; 63] = [
     from("/scene/shaft/unbalances/phase_deg", -360.0, 360.0, "°"),
     from("/scene/bearings/at_mm", 0.0, 4e6, "mm"),
     from("/scene/bearings/start_azimuth_deg", 0.0, 360.0, "°"),
-    from("/scene/sensors/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/sensors/at_mm", -4e6, 4e6, "mm"),
     from("/scene/bearings/outer_ring/offset_um/x", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/offset_um/y", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/offset_um/z", -1000.0, 1000.0, "µm"),

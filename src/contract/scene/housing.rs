@@ -133,7 +133,11 @@ fn number(names: &[&str], name: &str, defaults: &mut Defaults, pointer: String) 
     let found = names.iter().position(|known| *known == name);
     if found.is_none() {
         let shown: String = name.chars().take(32).collect();
-        let known = if names.is_empty() { "the scene has no `housing`".to_owned() } else { format!("bodies are {}", names.join(", ")) };
+        let known = if names.is_empty() {
+            "the scene has no `housing`".to_owned()
+        } else {
+            format!("bodies are {}", names.join(", "))
+        };
         defaults.refuse(pointer, format!("unknown body `{shown}`; {known}"));
     }
     found

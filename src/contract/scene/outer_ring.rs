@@ -187,7 +187,10 @@ impl OuterRingInput {
         defaults.check_of_rotor(&format!("{at}/spring_n_per_um"), stiffness);
         defaults.check_of_rotor(&format!("{at}/damping_n_s_per_m/0"), damping[0]);
         if damping[1] != 0.0 {
-            defaults.refuse(format!("{at}/damping_n_s_per_m/1"), "must be 0: across the axis a sliding ring moves with its body");
+            defaults.refuse(
+                format!("{at}/damping_n_s_per_m/1"),
+                "must be 0: across the axis a sliding ring moves with its body",
+            );
         }
         let mass = self.mass(defaults, at, bearing);
         Seat::Sliding { mass, spring: Spring { force, stiffness: N_PER_UM.to_si(stiffness) }, damping: damping[0] }

@@ -119,7 +119,12 @@ pub fn resolve(
 
 impl RotorBearingInput {
     /// The bearing; `None` after errors.
-    fn resolve(&mut self, defaults: &mut Defaults, at: &str, housing: Option<&HousingInput>) -> Option<ResolvedBearing> {
+    fn resolve(
+        &mut self,
+        defaults: &mut Defaults,
+        at: &str,
+        housing: Option<&HousingInput>,
+    ) -> Option<ResolvedBearing> {
         let faces = match defaults.fill(format!("{at}/faces"), &mut self.faces, FacesName::PlusX) {
             FacesName::PlusX => Faces::PlusX,
             FacesName::MinusX => Faces::MinusX,
@@ -234,7 +239,8 @@ pub fn preload(
                 defaults.refuse(pointer, "the preload sets the place of this ring along X");
             }
         }
-        let sliding = [one, other].into_iter().find(|index| matches!(bearings[*index].rotor.seat, Seat::Sliding { .. }));
+        let sliding =
+            [one, other].into_iter().find(|index| matches!(bearings[*index].rotor.seat, Seat::Sliding { .. }));
         if let Some(index) = sliding {
             let detail = format!("the ring of `{}` slides: its spring sets the preload", inputs[index].name);
             defaults.refuse(format!("{at}/between"), detail);

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::housing::HousingInput;
+use super::housing::{HousingInput, body};
 use super::loads::LoadInput;
 use super::operation::SpeedInput;
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
@@ -15,13 +15,12 @@ use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list, optional_object};
 use crate::contract::json::units::MM;
-use raceway_core::machine::input::Sensor;
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::frame::shaft::Shaft;
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::operation::SpeedProfile;
 use raceway_core::rotor::input::{Elements, Rotor};
-use raceway_core::simulation::input::channel::Axis;
+use raceway_core::rotor::sensor::{Part, Sensor};
 
 /// A shaft on its supports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -49,7 +48,7 @@ pub struct RotorSceneInput {
     /// Speed and loads.
     #[serde(deserialize_with = "object")]
     pub operation: RotorOperationInput,
-    /// Sensors on the shaft. They do not matter to jobs of kind `rotor`. Default: none.
+    /// Sensors on the shaft and on bodies of the housing. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
     pub sensors: Option<Vec<SensorInput>>,
@@ -58,14 +57,22 @@ pub struct RotorSceneInput {
     pub gravity_m_s2: Option<f64>,
 }
 
-/// A sensor on the shaft. Its channels are `sensor.NAME.displacement`, `.velocity` and `.acceleration`.
+/// A sensor on the shaft or on a body of the housing. Its channels are `sensor.NAME.displacement`, `.velocity` and `.acceleration`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorInput {
     /// Name: a letter, then letters, digits, `_` or `-`, at most 32.
     #[schema(pattern = "^[A-Za-z][A-Za-z0-9_-]{0,31}$", example = "probe")]
     pub name: String,
-    /// Place along the shaft [mm].
+    /// `shaft`, or the name of a housing body that it sits on. Default `shaft`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, max_length = 32, example = "shaft")]
+    pub on: Option<String>,
+    /// What it measures from, at the same place: `shaft`, or the name of a housing body. Default: the ground.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, max_length = 32, example = "head")]
+    pub relative_to: Option<String>,
+    /// Place along the shaft [mm]; of a sensor that has nothing to do with the shaft also beyond its ends.
     #[schema(example = 150.0)]
     pub at_mm: f64,
     /// Direction in which it measures.
@@ -190,7 +197,8 @@ impl RotorSceneInput {
         let elements = self.shaft.elements.unwrap_or(ElementsName::Auto).into();
         let loads = shaft_loads::resolve(&mut self.operation.loads, (&shaft, length_mm), speed.largest(), defaults);
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
-        let sensors = sensors(self.sensors.as_deref().unwrap_or_default(), defaults, length_mm, &shaft);
+        let inputs = self.sensors.as_deref().unwrap_or_default();
+        let sensors = sensors((inputs, self.housing.as_ref()), defaults, length_mm, &shaft);
         ResolvedRotor {
             rotor: Rotor {
                 shaft,
@@ -229,8 +237,26 @@ fn shaft_speed(input: &SpeedInput, defaults: &mut Defaults) -> SpeedProfile {
     profile.unwrap_or_else(SpeedProfile::at_rest)
 }
 
+/// The part with a name; `None` without one, and after an error.
+fn part(
+    housing: Option<&HousingInput>,
+    name: Option<&String>,
+    defaults: &mut Defaults,
+    pointer: String,
+) -> Option<Part> {
+    match name {
+        Some(name) if name == "shaft" => Some(Part::Shaft),
+        name => body(housing, name, defaults, pointer).map(Part::Body),
+    }
+}
+
 /// The sensors in SI. Errors are noted in `defaults`.
-fn sensors(inputs: &[SensorInput], defaults: &mut Defaults, length_mm: f64, shaft: &Shaft) -> Vec<Sensor> {
+fn sensors(
+    (inputs, housing): (&[SensorInput], Option<&HousingInput>),
+    defaults: &mut Defaults,
+    length_mm: f64,
+    shaft: &Shaft,
+) -> Vec<Sensor> {
     const POINTER: &str = "/scene/sensors";
     if inputs.len() > MAX_SENSORS {
         defaults.refuse(POINTER, format!("{} sensors: at most {MAX_SENSORS}", inputs.len()));
@@ -242,16 +268,23 @@ fn sensors(inputs: &[SensorInput], defaults: &mut Defaults, length_mm: f64, shaf
         if inputs[..index].iter().any(|other| other.name == sensor.name) {
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another sensor", sensor.name));
         }
-        check_place(defaults, &at, sensor.at_mm, length_mm);
-        let axis = match sensor.direction {
-            DirectionName::X => Axis::X,
-            DirectionName::Y => Axis::Y,
-            DirectionName::Z => Axis::Z,
-        };
-        if axis == Axis::X && !shaft.is_axially_free {
+        let on = part(housing, sensor.on.as_ref(), defaults, format!("{at}/on")).unwrap_or(Part::Shaft);
+        let relative_to = part(housing, sensor.relative_to.as_ref(), defaults, format!("{at}/relative_to"));
+        if relative_to == Some(on) {
+            defaults.refuse(format!("{at}/relative_to"), "must be another part than the one that the sensor sits on");
+        }
+        let axis = sensor.direction as usize;
+        let (name, place) = (sensor.name.clone(), MM.to_si(sensor.at_mm));
+        let resolved = Sensor { name, on, relative_to, at: place, axis };
+        if resolved.concerns_shaft() {
+            check_place(defaults, &at, sensor.at_mm, length_mm);
+        } else {
+            defaults.check_of_rotor(&format!("{at}/at_mm"), sensor.at_mm);
+        }
+        if sensor.direction == DirectionName::X && on == Part::Shaft && !shaft.is_axially_free {
             defaults.refuse(format!("{at}/direction"), "the shaft does not move along X: give `shaft.axial` as `free`");
         }
-        sensors.push(Sensor { name: sensor.name.clone(), at: MM.to_si(sensor.at_mm), axis });
+        sensors.push(resolved);
     }
     sensors
 }

@@ -74,7 +74,9 @@ pub fn resolve(
         defaults.refuse(POINTER, format!("{} supports: at most {MAX_SUPPORTS}", supports.len()));
     }
     let resolved = supports.iter_mut().enumerate();
-    resolved.map(|(index, support)| support.resolve(defaults, &format!("{POINTER}/{index}"), length_mm, housing)).collect()
+    resolved
+        .map(|(index, support)| support.resolve(defaults, &format!("{POINTER}/{index}"), length_mm, housing))
+        .collect()
 }
 
 impl SupportInput {
@@ -102,12 +104,7 @@ impl SupportInput {
         Support { at: MM.to_si(self.at_mm), on, stiffness, damping }
     }
 
-    fn of_matrix(
-        &self,
-        defaults: &mut Defaults,
-        at: &str,
-        matrix: &SupportMatrixInput,
-    ) -> (PortMatrix, PortMatrix) {
+    fn of_matrix(&self, defaults: &mut Defaults, at: &str, matrix: &SupportMatrixInput) -> (PortMatrix, PortMatrix) {
         let others = [
             ("stiffness_n_per_um", self.stiffness_n_per_um.is_some()),
             ("damping_n_s_per_m", self.damping_n_s_per_m.is_some()),

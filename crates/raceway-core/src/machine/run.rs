@@ -110,9 +110,9 @@ impl Run<'_> {
     fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), MachineError> {
         let [place, velocity, _] = stepper.coordinates();
         let is_held = |index: usize| {
-            let ring = self.dynamics.ring(index, place, velocity);
-            let moves = ring.position.iter().chain(&ring.tilt).all(|value| value.is_finite());
-            moves && self.dynamics.bearings[index].dynamics.mechanism().departure(ring.position, ring.tilt).is_none()
+            let (position, tilt) = self.dynamics.rings(index, place, velocity).apart();
+            let moves = position.iter().chain(&tilt).all(|value| value.is_finite());
+            moves && self.dynamics.bearings[index].dynamics.mechanism().departure(position, tilt).is_none()
         };
         let touches = stepper.bearings().iter().any(|bearing| bearing.touching().is_some());
         let cause = if touches {

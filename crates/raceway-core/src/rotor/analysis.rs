@@ -8,7 +8,10 @@ use super::deflection::deflection;
 use super::input::{Elements, Request, Rotor, RotorBearing, RotorError};
 use super::operating::wrench;
 use super::response::of_unbalance;
-use super::result::{BearingResult, BodyResult, Critical, ModeCourse, RotorResult, StationResponse, SupportForces};
+use super::result::{
+    BearingResult, BodyResult, Critical, ModeCourse, RotorResult, SensorResult, StationResponse, SupportForces,
+};
+use super::sensor::Sensor;
 use super::shape::{displacements, mode, point};
 use super::system::{Port, System};
 use crate::physics::frame::housing::Body;
@@ -68,6 +71,7 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         supports: forces.supports,
         mounts: forces.mounts,
         bodies: bodies(&system, rotor, &rest, &responses),
+        sensors: request.sensors.iter().map(|sensor| of_sensor(&system, sensor, &rest, &responses)).collect(),
         bearings: bearings([&operating_system, &system], rotor, &request.speeds),
         deflection: whole.into_iter().map(|node| node.map(|value| value.re)).collect(),
     })
@@ -129,12 +133,7 @@ fn displacement(system: &System, at: f64, response: &DVector<Complex<f64>>) -> [
 }
 
 /// Static displacements of the bodies, and their responses.
-fn bodies(
-    system: &System,
-    rotor: &Rotor,
-    rest: &DVector<f64>,
-    responses: &[DVector<Complex<f64>>],
-) -> Vec<BodyResult> {
+fn bodies(system: &System, rotor: &Rotor, rest: &DVector<f64>, responses: &[DVector<Complex<f64>>]) -> Vec<BodyResult> {
     let of_body = |(index, body): (usize, &Body)| {
         let rows = system.coordinates.housing.body(Some(index), body.at);
         let at_rest = &rows * rest;
@@ -146,6 +145,18 @@ fn bodies(
         BodyResult { at_rest: std::array::from_fn(|axis| at_rest[axis]), response: response.collect() }
     };
     rotor.housing.bodies.iter().enumerate().map(of_body).collect()
+}
+
+/// Static displacement of a sensor, and its response.
+fn of_sensor(
+    system: &System,
+    sensor: &Sensor,
+    rest: &DVector<f64>,
+    responses: &[DVector<Complex<f64>>],
+) -> SensorResult {
+    let row = sensor.row(&system.coordinates);
+    let moved = |response: &DVector<Complex<f64>>| response.iter().zip(&row).map(|(value, by)| value * *by).sum();
+    SensorResult { at_rest: row.dot(rest), response: responses.iter().map(moved).collect() }
 }
 
 /// Forces of springs and bearings.

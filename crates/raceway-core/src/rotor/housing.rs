@@ -63,12 +63,9 @@ impl HousingCoordinates {
         let bodies = bodies.collect();
         let mut own = |bearing: &RotorBearing| match bearing.seat {
             Seat::Rigid => OwnMotion::None,
-            Seat::Elastic { mass, inertia, .. } => OwnMotion::Whole(Solid {
-                at: bearing.outer_ring(),
-                first: take(OF_BODY),
-                mass,
-                inertia: [inertia; 2],
-            }),
+            Seat::Elastic { mass, inertia, .. } => {
+                OwnMotion::Whole(Solid { at: bearing.outer_ring(), first: take(OF_BODY), mass, inertia: [inertia; 2] })
+            }
             Seat::Sliding { mass, .. } => OwnMotion::Along(take(1), mass),
         };
         let rings = rotor.bearings.iter().map(|bearing| OuterRing { on: bearing.on, own: own(bearing) }).collect();
@@ -107,6 +104,20 @@ impl HousingCoordinates {
                 rows
             }
         }
+    }
+
+    /// Displacement along X of what the outer ring of a bearing is a part of, across the axis.
+    fn carrier(&self, bearing: usize) -> DMatrix<f64> {
+        let OuterRing { on, own } = self.rings[bearing];
+        match own {
+            OwnMotion::Whole(ring) => ring.rows(ring.at, self.end),
+            _ => self.body(on, 0.0),
+        }
+    }
+
+    /// Distance along X [m] by which a place has moved along what carries the outer ring of a bearing; `rows`: displacements of the place.
+    pub fn slipped(&self, bearing: usize, rows: &DMatrix<f64>, coordinates: &DVector<f64>) -> f64 {
+        ((rows.row(0) - self.carrier(bearing).row(0)) * coordinates)[0]
     }
 
     /// Coordinates of motions along X.

@@ -1,5 +1,6 @@
 //! Input of a rotor analysis.
 
+use super::sensor::Sensor;
 use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::housing::Housing;
@@ -105,22 +106,24 @@ pub(crate) fn rising(mut places: Vec<f64>) -> Vec<f64> {
 }
 
 /// Elements of the shaft.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Elements {
     /// Refined until the kept frequencies have converged.
+    #[default]
     Auto,
     /// One for each section, divided only where something acts on the shaft.
     Sections,
 }
 
 /// Quantities and resolution of an analysis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
     pub elements: Elements,
     /// Speeds, rising, none negative [rad/s].
     pub speeds: Vec<f64>,
     /// Number of natural frequencies.
     pub modes: usize,
+    pub sensors: Vec<Sensor>,
 }
 
 /// Reason why there is no result.

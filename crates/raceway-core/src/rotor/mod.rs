@@ -6,14 +6,15 @@
 
 pub mod input;
 pub mod result;
+pub mod sensor;
 
 pub mod analysis;
 pub mod restraint;
 
 pub(crate) mod coordinates;
 pub(crate) mod housing;
-pub(crate) mod springs;
 pub(crate) mod operating;
+pub(crate) mod springs;
 pub(crate) mod system;
 
 mod campbell;

@@ -45,7 +45,7 @@ pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
     for (index, bearing) in rotor.bearings.iter().enumerate() {
         let radius = bearing.mounted.bearing.pitch_radius();
         let squares = DVector::from_fn(PORT, |row, _| if row < 3 { 1.0 } else { radius * radius });
-        let rows = between_rings(rotor, index, shaft, &housing);
+        let rows = between_rings(rotor, index, shaft, &housing, 0.0);
         stiffness += rows.transpose() * DMatrix::from_diagonal(&(squares * OF_BEARING)) * &rows;
     }
     let first = if rotor.shaft.is_axially_free { 0 } else { 1 };
@@ -63,7 +63,9 @@ pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
     let largest = motion.amax();
     let named = (0..size).filter(|k| motion[*k].abs() > NAMED * largest);
     let beside = named.filter_map(|k| housing.owner(k + first));
-    Some(beside.min_by_key(|(owner, _)| !matches!(owner, Owner::Body(_))).map_or(FreeMotion::Shaft, |(owner, displacement)| {
-        FreeMotion::Beside(owner, displacement)
-    }))
+    Some(
+        beside
+            .min_by_key(|(owner, _)| !matches!(owner, Owner::Body(_)))
+            .map_or(FreeMotion::Shaft, |(owner, displacement)| FreeMotion::Beside(owner, displacement)),
+    )
 }

@@ -27,6 +27,7 @@ pub struct RotorResult {
     /// Forces of the bodies on their mounts.
     pub mounts: Vec<SupportForces>,
     pub bodies: Vec<BodyResult>,
+    pub sensors: Vec<SensorResult>,
     pub bearings: Vec<BearingResult>,
     /// Static displacement x, y, z of each node at the operating speed [m].
     pub deflection: Vec<[f64; 3]>,
@@ -100,6 +101,15 @@ pub struct BodyResult {
     pub at_rest: [f64; PORT],
     /// Displacements x, y and z of its mass centre by unbalance for each requested speed: real part times e^(iΩt) [m].
     pub response: Vec<[Complex<f64>; 3]>,
+}
+
+/// A sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorResult {
+    /// Static displacement at the operating speed [m].
+    pub at_rest: f64,
+    /// Displacement by unbalance for each requested speed: real part times e^(iΩt) [m].
+    pub response: Vec<Complex<f64>>,
 }
 
 /// Forces of the shaft on a support.

@@ -19,11 +19,7 @@ pub struct LinearSpring {
 }
 
 /// Supports, mounts and seats, each in the order of the input. `shaft`: displacements of a place of the shaft over all coordinates.
-pub fn springs(
-    rotor: &Rotor,
-    shaft: impl Fn(f64) -> DMatrix<f64>,
-    housing: &HousingCoordinates,
-) -> Vec<LinearSpring> {
+pub fn springs(rotor: &Rotor, shaft: impl Fn(f64) -> DMatrix<f64>, housing: &HousingCoordinates) -> Vec<LinearSpring> {
     let supports = rotor.supports.iter().map(|support| {
         let rows = relative(shaft(support.at), support.on.map(|_| housing.body(support.on, support.at)));
         LinearSpring { rows, stiffness: support.stiffness, damping: support.damping, push: 0.0 }
@@ -36,15 +32,17 @@ pub fn springs(
     supports.chain(mounts).chain(seats).collect()
 }
 
-/// Displacements of the inner ring of a bearing from its outer ring, at the place of the inner one.
+/// Displacements of the inner ring of a bearing from its outer ring, at the place of the inner one. `slipped`: distance by which the inner ring
+/// has moved along what carries the outer one [m].
 pub fn between_rings(
     rotor: &Rotor,
     index: usize,
     shaft: impl Fn(f64) -> DMatrix<f64>,
     housing: &HousingCoordinates,
+    slipped: f64,
 ) -> DMatrix<f64> {
     let bearing = &rotor.bearings[index];
-    let outer = bearing.has_moving_outer_ring().then(|| housing.outer_ring(index, bearing.at));
+    let outer = bearing.has_moving_outer_ring().then(|| housing.outer_ring(index, bearing.at + slipped));
     relative(shaft(bearing.at), outer)
 }
 

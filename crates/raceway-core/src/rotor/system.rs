@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinates;
-use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorError};
+use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorBearing, RotorError};
 use super::operating::{OperatingPoint, in_nalgebra, operating_point};
 use super::potential::Frame;
 use super::springs::{between_rings, springs};
@@ -79,7 +79,7 @@ impl System {
             linear.push(port);
         }
         let bearings = (0..rotor.bearings.len()).map(|index| Port {
-            rows: between_rings(rotor, index, shaft, &coordinates.housing),
+            rows: between_rings(rotor, index, shaft, &coordinates.housing, 0.0),
             stiffness: Vec::new(),
             damping: Vec::new(),
         });
@@ -97,7 +97,25 @@ impl System {
             rotating,
         };
         system.add_bearings(rotor)?;
+        if rotor.bearings.iter().any(RotorBearing::has_moving_outer_ring) {
+            system.follow_inner_rings(rotor)?;
+        }
         Ok(system)
+    }
+
+    /// Carries outer rings to the places of their inner rings at the first equilibrium: a preload moves these along the axis, and the lever of a body
+    /// that tilts with them.
+    fn follow_inner_rings(&mut self, rotor: &Rotor) -> Result<(), RotorError> {
+        let rest = &self.operating[0].coordinates;
+        let (coordinates, housing) = (&self.coordinates, &self.coordinates.housing);
+        let shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
+        let rows = rotor.bearings.iter().enumerate().map(|(index, bearing)| {
+            let slipped = housing.slipped(index, &shaft(bearing.at), rest);
+            between_rings(rotor, index, shaft, housing, slipped)
+        });
+        self.bearings = rows.map(|rows| Port { rows, stiffness: Vec::new(), damping: Vec::new() }).collect();
+        (self.stiffness, self.damping, self.operating) = (Vec::new(), Vec::new(), Vec::new());
+        self.add_bearings(rotor)
     }
 
     /// Finds the equilibrium at each speed and adds the matrices of the bearings there.

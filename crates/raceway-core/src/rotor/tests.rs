@@ -59,7 +59,7 @@ fn clamp(at: f64) -> Support {
 }
 
 fn analysed(rotor: &Rotor, elements: Elements, speeds: Vec<f64>, modes: usize) -> RotorResult {
-    analyse(rotor, &Request { elements, speeds, modes }, &|| false).unwrap()
+    analyse(rotor, &Request { elements, speeds, modes, sensors: Vec::new() }, &|| false).unwrap()
 }
 
 /// Damped angular frequencies at a speed of the list [rad/s].
