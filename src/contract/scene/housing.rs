@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::rotor_bearings::check_body_name;
-use super::supports::{SpringFields, springs};
+use super::names::check_body_name;
+use super::springs::{SpringFields, springs};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::significant;
 use crate::contract::json::shapes::{list, optional_list};

@@ -20,9 +20,11 @@ pub mod rotor_bearings;
 pub mod rotor_scene;
 pub mod shaft;
 mod shaft_loads;
+mod springs;
 pub mod supports;
 
 pub mod presets;
 
 mod bearing_base;
+mod names;
 mod preset_names;

@@ -7,6 +7,7 @@ use super::bearing::{BearingChoice, BearingInput};
 use super::damping::DampingInput;
 use super::housing::HousingInput;
 use super::lubricant::{LubricantChoice, LubricantInput};
+use super::names::check_body_name;
 use super::operation::{OperationInput, SpeedInput};
 use super::outer_ring::OuterRingInput;
 use super::scene_input::{ResolvedScene, SceneInput};
@@ -24,9 +25,6 @@ use raceway_core::rotor::input::{RotorBearing, Seat};
 
 const POINTER: &str = "/scene/bearings";
 const MAX_BEARINGS: usize = 8;
-const MAX_NAME: usize = 32;
-/// Names that channels have.
-const RESERVED: [&str; 5] = ["spindle", "cage", "ball", "sensor", "shaft"];
 
 /// A ball bearing on the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -167,26 +165,6 @@ impl RotorBearingInput {
         let damping = scene.scene.raceway_damping.resolve();
         let (at, on, seat) = (MM.to_si(self.at_mm), ring.on, ring.seat);
         Some(ResolvedBearing { rotor: RotorBearing { at, mounted, damping, on, seat }, scene })
-    }
-}
-
-/// Refuses a name that no channel can have, or that another body has; `at`: pointer to the object that has it.
-pub(super) fn check_body_name(name: &str, defaults: &mut Defaults, at: &str) {
-    check_name(name, defaults, at);
-    if RESERVED.contains(&name) {
-        defaults.refuse(format!("{at}/name"), format!("`{name}` is the name of a body; give another"));
-    }
-}
-
-/// Refuses a name that no channel can have; `at`: pointer to the object that has it.
-pub(super) fn check_name(name: &str, defaults: &mut Defaults, at: &str) {
-    let mut letters = name.chars();
-    let is_pattern = letters.next().is_some_and(|first| first.is_ascii_alphabetic())
-        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-')
-        && name.len() <= MAX_NAME;
-    if !is_pattern {
-        let detail = format!("must be a letter, then letters, digits, `_` or `-`, at most {MAX_NAME}");
-        defaults.refuse(format!("{at}/name"), detail);
     }
 }
 

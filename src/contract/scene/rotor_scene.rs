@@ -6,8 +6,9 @@ use utoipa::ToSchema;
 
 use super::housing::{HousingInput, body};
 use super::loads::LoadInput;
+use super::names::check_name;
 use super::operation::SpeedInput;
-use super::rotor_bearings::{self, PreloadInput, RotorBearingInput, check_name};
+use super::rotor_bearings::{self, PreloadInput, RotorBearingInput};
 use super::scene_input::ResolvedScene;
 use super::shaft::{ElementsName, ShaftInput, check_place};
 use super::shaft_loads;

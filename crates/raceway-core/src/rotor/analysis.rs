@@ -154,7 +154,7 @@ fn of_sensor(
     rest: &DVector<f64>,
     responses: &[DVector<Complex<f64>>],
 ) -> SensorResult {
-    let row = sensor.row(&system.coordinates);
+    let row = system.coordinates.reading(sensor);
     let moved = |response: &DVector<Complex<f64>>| response.iter().zip(&row).map(|(value, by)| value * *by).sum();
     SensorResult { at_rest: row.dot(rest), response: responses.iter().map(moved).collect() }
 }

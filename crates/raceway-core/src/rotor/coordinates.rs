@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::housing::HousingCoordinates;
 use super::input::{PlacedLoad, Rotor, RotorError};
+use super::sensor::{Part, Sensor};
 use crate::physics::frame::mesh::{Matrices, Mesh};
 use crate::physics::frame::modes::FreeModes;
 use crate::physics::frame::support::{PORT, PortMatrix};
@@ -117,6 +118,23 @@ impl Coordinates {
         };
         let slopes = self.mesh.nodes.iter().enumerate().map(|(node, place)| (slope(node), *place));
         slopes.fold((0.0, 0.0), |most, slope| if slope.0 > most.0 { slope } else { most })
+    }
+
+    /// Reading of a sensor by each coordinate [m].
+    pub fn reading(&self, sensor: &Sensor) -> DVector<f64> {
+        let of = |part: Part| match part {
+            // Forces and displacements of a place are the same shares of the coordinates.
+            Part::Shaft => {
+                let mut unit = [0.0; 3];
+                unit[sensor.axis] = 1.0;
+                DVector::from_vec(self.force(sensor.at, unit))
+            }
+            Part::Body(body) => self.housing.body(Some(body), sensor.at).row(sensor.axis).transpose(),
+        };
+        match sensor.relative_to {
+            None => of(sensor.on),
+            Some(other) => of(sensor.on) - of(other),
+        }
     }
 
     /// Forces on the coordinates of the weight of the shaft along Y [N]. The first shape of a plane, its translation, takes all of it: the

@@ -1,9 +1,5 @@
 //! Sensors on the shaft and on bodies of the housing.
 
-use nalgebra::DVector;
-
-use super::coordinates::Coordinates;
-
 /// A sensor, which measures along one direction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
@@ -26,27 +22,6 @@ pub enum Part {
 }
 
 impl Sensor {
-    /// Its reading by each coordinate [m].
-    pub fn row(&self, coordinates: &Coordinates) -> DVector<f64> {
-        let own = self.of_part(self.on, coordinates);
-        match self.relative_to {
-            None => own,
-            Some(other) => own - self.of_part(other, coordinates),
-        }
-    }
-
-    fn of_part(&self, part: Part, coordinates: &Coordinates) -> DVector<f64> {
-        match part {
-            // Forces and displacements of a place are the same shares of the coordinates.
-            Part::Shaft => {
-                let mut unit = [0.0; 3];
-                unit[self.axis] = 1.0;
-                DVector::from_vec(coordinates.force(self.at, unit))
-            }
-            Part::Body(body) => coordinates.housing.body(Some(body), self.at).row(self.axis).transpose(),
-        }
-    }
-
     /// Whether it measures the shaft, or from it.
     pub fn concerns_shaft(&self) -> bool {
         self.on == Part::Shaft || self.relative_to == Some(Part::Shaft)
