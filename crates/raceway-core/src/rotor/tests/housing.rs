@@ -69,7 +69,8 @@ fn pedestals_have_the_frequencies_of_the_closed_form() {
         rotor.housing.bodies.push(body(at));
         rotor.housing.mounts.push(mount(index, at, [5e7, 5e7, 5e7, 1e6, 1e6]));
     }
-    let result = at_rest(&rotor, 6);
+    // Between them stand the motions of the pedestals along X and against each other, at 503 Hz.
+    let result = at_rest(&rotor, 10);
     let found = hertz(&frequencies(&result, 0));
     for expected in [97.696, 513.445] {
         let near = found.iter().filter(|found| (**found / expected - 1.0).abs() < 1e-5).count();
@@ -88,7 +89,7 @@ fn stiff_mounts_heavy_bodies_and_stiff_seats_are_the_ground() {
     let expected = hertz(&frequencies(&at_rest(&ground, 8), 0));
     let is_ground = |rotor: &Rotor, count: usize, below: usize| {
         let found = hertz(&frequencies(&at_rest(rotor, count), 0));
-        assert_close(&found[below..], &expected[..count.min(8) - below], 2e-5);
+        assert_close(&found[below..], &expected[..count.min(8) - below], 1e-4);
     };
     let body = Body { at: 0.17, mass: 8.0, inertia: [0.05; 2] };
     is_ground(&in_body(ground.clone(), body, [1e13, 1e13, 1e13, 1e12, 1e12]), 8, 0);
@@ -108,18 +109,18 @@ fn stiff_mounts_heavy_bodies_and_stiff_seats_are_the_ground() {
 /// A soft seat and a soft mount in a row are one spring, where the ring has no mass.
 #[test]
 fn a_seat_and_a_mount_in_a_row_are_one_spring() {
-    let seat = |stiffness: f64| Seat::Elastic {
+    let seat = |stiffness: f64, tilt: f64| Seat::Elastic {
         mass: 1e-6,
-        inertia: 1e-9,
-        stiffness: diagonal([stiffness, stiffness, stiffness, 1e9, 1e9]),
+        inertia: 1e-6,
+        stiffness: diagonal([stiffness, stiffness, stiffness, tilt, tilt]),
         damping: diagonal([0.0; 5]),
     };
     let mut one = preloaded();
-    one.bearings[0].seat = seat(2e7);
+    one.bearings[0].seat = seat(2e7, 1e8);
     let mut other = preloaded();
-    (other.bearings[0].seat, other.bearings[0].on) = (seat(4e7), Some(0));
-    let body = Body { at: 0.04, mass: 1e-6, inertia: [1e-9; 2] };
-    other.housing = Housing { bodies: vec![body], mounts: vec![mount(0, 0.04, [4e7, 4e7, 4e7, 1e9, 1e9])] };
+    (other.bearings[0].seat, other.bearings[0].on) = (seat(4e7, 2e8), Some(0));
+    let body = Body { at: 0.04, mass: 1e-6, inertia: [1e-6; 2] };
+    other.housing = Housing { bodies: vec![body], mounts: vec![mount(0, 0.04, [4e7, 4e7, 4e7, 2e8, 2e8])] };
     let [one, other] = [one, other].map(|rotor| at_rest(&rotor, 8));
     assert_close(&frequencies(&one, 0), &frequencies(&other, 0), 1e-5);
 }
