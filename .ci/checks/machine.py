@@ -78,7 +78,7 @@ def case_refusals(running):
         "with a start azimuth of 400°": ({"scene": scene(first={"start_azimuth_deg": 400})}, "/scene/bearings/0/start_azimuth_deg"),
         "with a step of 50 µs": ({"step_us": 50}, "/step_us"),
         "of 60 s": ({"duration": 60}, "/duration_s"),
-        "with a housing": ({"scene": scene(housing={})}, "/scene/housing"),
+        "with a housing without bodies": ({"scene": scene(housing={"bodies": []})}, "/scene/housing/bodies"),
     }
     for name, (fields, pointer) in cases.items():
         found = pointers(**fields)

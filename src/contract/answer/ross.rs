@@ -151,6 +151,9 @@ fn dropped(model: &RotorModelAnswer) -> Option<String> {
             model.damping_ratio
         )
     });
-    let sentences: Vec<String> = of_tilt.into_iter().chain(of_shaft).collect();
+    let of_housing = model.leaves_out_housing.then(|| {
+        "Dropped: the housing and the seats of outer rings. Supports and bearings stand on the ground here.".to_owned()
+    });
+    let sentences: Vec<String> = of_housing.into_iter().chain(of_tilt).chain(of_shaft).collect();
     (!sentences.is_empty()).then(|| sentences.join("\n"))
 }

@@ -2,7 +2,9 @@
 
 use raceway_core::rotor::analysis::analyse;
 use raceway_core::rotor::input::RotorError;
-use raceway_core::rotor::result::{BearingResult, Complex, Critical, Direction, Mode, ModePoint, RotorResult};
+use raceway_core::rotor::result::{
+    BearingResult, BodyResult, Complex, Critical, Direction, Mode, ModePoint, RotorResult, SensorResult, SupportForces,
+};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -10,6 +12,8 @@ use super::failure::{DID_NOT_CONVERGE, RunFailure};
 use super::rotor_model::RotorModelAnswer;
 use crate::contract::job::rotor::RotorJob;
 use crate::contract::json::units::{DEG, MM, MRAD, RPM, UM};
+use crate::contract::scene::housing::BodyInput;
+use crate::contract::scene::rotor_scene::SensorInput;
 
 /// Result of a rotor job. Phases are those of cos(Ωt + phase), t = 0 where the shaft's angle is 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -34,6 +38,15 @@ pub struct RotorAnswer {
     pub response: Vec<ResponseAnswer>,
     /// Forces of the shaft on each of `supports`, then on each of `bearings`, in the order of the request.
     pub supports: Vec<SupportForcesAnswer>,
+    /// Forces of the bodies on each of `housing.mounts`, in the order of the request; absent without mounts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub mounts: Vec<SupportForcesAnswer>,
+    /// The bodies of the housing; absent without housing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<RotorBodyAnswer>,
+    /// The sensors; absent without sensors.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<RotorSensorAnswer>,
     /// The bearings at the operating point; absent without bearings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bearings: Vec<RotorBearingAnswer>,
@@ -125,6 +138,64 @@ pub struct ShapeAnswer {
     pub z: Vec<f64>,
     /// Phase along Z [°].
     pub z_phase_deg: Vec<f64>,
+    /// Motion of the bodies of the housing in the same scale; absent without housing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodyShapeAnswer>,
+}
+
+/// Motion of a housing body in a natural motion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BodyShapeAnswer {
+    /// Name.
+    pub name: String,
+    /// Amplitudes of the mass centre along x, y and z [-].
+    pub amplitude: [f64; 3],
+    /// Their phases [°].
+    pub phase_deg: [f64; 3],
+    /// Amplitudes of the tilt about y and z [rad/m].
+    pub tilt_per_m: [f64; 2],
+    /// Their phases [°].
+    pub tilt_phase_deg: [f64; 2],
+}
+
+/// A housing body: its static place, and its response to unbalance, with a value for each speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RotorBodyAnswer {
+    /// Name.
+    pub name: String,
+    /// Place of its mass centre along the shaft [mm].
+    pub at_mm: f64,
+    /// Static displacement of the mass centre along x, y and z [µm].
+    pub static_um: [f64; 3],
+    /// Static tilt about y and z [mrad].
+    pub static_tilt_mrad: [f64; 2],
+    /// Amplitude along X [µm].
+    pub x_um: Vec<f64>,
+    /// Phase along X [°].
+    pub x_phase_deg: Vec<f64>,
+    /// Amplitude along Y [µm].
+    pub y_um: Vec<f64>,
+    /// Phase along Y [°].
+    pub y_phase_deg: Vec<f64>,
+    /// Amplitude along Z [µm].
+    pub z_um: Vec<f64>,
+    /// Phase along Z [°].
+    pub z_phase_deg: Vec<f64>,
+}
+
+/// A sensor: its static reading, and its response to unbalance, with a value for each speed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct RotorSensorAnswer {
+    /// Name.
+    pub name: String,
+    /// Static displacement at the operating speed [µm].
+    pub static_um: f64,
+    /// Amplitude of the displacement [µm].
+    pub displacement_um: Vec<f64>,
+    /// Phase of the displacement [°].
+    pub phase_deg: Vec<f64>,
+    /// Amplitude of the acceleration [m/s²].
+    pub acceleration_m_s2: Vec<f64>,
 }
 
 /// Response to unbalance at one place, with a value for each speed.
@@ -144,7 +215,7 @@ pub struct ResponseAnswer {
     pub major_um: Vec<f64>,
 }
 
-/// Forces of the shaft on a support.
+/// Forces of the shaft on a support, or of a body on a mount.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SupportForcesAnswer {
     /// Place along the shaft [mm].
@@ -235,21 +306,63 @@ fn answer(job: &RotorJob, result: &RotorResult, model: RotorModelAnswer) -> Roto
         },
         criticals: result.criticals.iter().map(|critical| critical_answer(job, critical)).collect(),
         response: result.stations.iter().map(|station| response_answer(station.at, &station.displacement)).collect(),
-        supports: result
-            .supports
-            .iter()
-            .map(|support| SupportForcesAnswer {
-                at_mm: MM.to_user(support.at),
-                static_force_n: [0, 1, 2].map(|axis| support.at_rest[axis]),
-                static_moment_n_m: [3, 4].map(|axis| support.at_rest[axis]),
-                unbalance_force_y_n: support.dynamic.iter().map(|force| force[0].norm()).collect(),
-                unbalance_force_z_n: support.dynamic.iter().map(|force| force[1].norm()).collect(),
-            })
-            .collect(),
+        supports: result.supports.iter().map(forces_answer).collect(),
+        mounts: result.mounts.iter().map(forces_answer).collect(),
+        bodies: bodies(job, result),
+        sensors: sensors(job, result),
         bearings: bearings(job, result),
         at_rest: DeflectionAnswer { x_um: um(0), y_um: um(1), z_um: um(2) },
         model,
     }
+}
+
+fn forces_answer(support: &SupportForces) -> SupportForcesAnswer {
+    SupportForcesAnswer {
+        at_mm: MM.to_user(support.at),
+        static_force_n: [0, 1, 2].map(|axis| support.at_rest[axis]),
+        static_moment_n_m: [3, 4].map(|axis| support.at_rest[axis]),
+        unbalance_force_y_n: support.dynamic.iter().map(|force| force[0].norm()).collect(),
+        unbalance_force_z_n: support.dynamic.iter().map(|force| force[1].norm()).collect(),
+    }
+}
+
+/// The bodies of the request.
+fn bodies_of(job: &RotorJob) -> impl Iterator<Item = &BodyInput> {
+    job.input.scene.housing.iter().flat_map(|housing| &housing.bodies)
+}
+
+fn bodies(job: &RotorJob, result: &RotorResult) -> Vec<RotorBodyAnswer> {
+    let of = |(body, moved): (&BodyInput, &BodyResult)| {
+        let amplitude = |axis: usize| moved.response.iter().map(|value| UM.to_user(value[axis].norm())).collect();
+        let phase = |axis: usize| moved.response.iter().map(|value| phase_deg(value[axis])).collect();
+        RotorBodyAnswer {
+            name: body.name.clone(),
+            at_mm: body.at_mm,
+            static_um: [0, 1, 2].map(|axis| UM.to_user(moved.at_rest[axis])),
+            static_tilt_mrad: [3, 4].map(|axis| MRAD.to_user(moved.at_rest[axis])),
+            x_um: amplitude(0),
+            x_phase_deg: phase(0),
+            y_um: amplitude(1),
+            y_phase_deg: phase(1),
+            z_um: amplitude(2),
+            z_phase_deg: phase(2),
+        }
+    };
+    bodies_of(job).zip(&result.bodies).map(of).collect()
+}
+
+fn sensors(job: &RotorJob, result: &RotorResult) -> Vec<RotorSensorAnswer> {
+    let of = |(sensor, seen): (&SensorInput, &SensorResult)| {
+        let speeds = seen.response.iter().zip(&job.request.speeds);
+        RotorSensorAnswer {
+            name: sensor.name.clone(),
+            static_um: UM.to_user(seen.at_rest),
+            displacement_um: seen.response.iter().map(|value| UM.to_user(value.norm())).collect(),
+            phase_deg: seen.response.iter().map(|value| phase_deg(*value)).collect(),
+            acceleration_m_s2: speeds.map(|(value, speed)| value.norm() * speed * speed).collect(),
+        }
+    };
+    job.input.scene.sensors.iter().flatten().zip(&result.sensors).map(of).collect()
 }
 
 fn bearings(job: &RotorJob, result: &RotorResult) -> Vec<RotorBearingAnswer> {
@@ -302,7 +415,7 @@ fn mode_answer(job: &RotorJob, mode: &Mode) -> ModeAnswer {
         frequency_hz: hertz(mode.point.frequency),
         damping_ratio: mode.point.damping_ratio,
         whirl: mode.point.direction.into(),
-        shape: shape_answer(job, &mode.shape),
+        shape: shape_answer(job, mode),
     }
 }
 
@@ -311,7 +424,7 @@ fn critical_answer(job: &RotorJob, critical: &Critical) -> CriticalAnswer {
         speed_rpm: RPM.to_user(critical.speed),
         damping_ratio: critical.mode.point.damping_ratio,
         whirl: critical.mode.point.direction.into(),
-        shape: shape_answer(job, &critical.mode.shape),
+        shape: shape_answer(job, &critical.mode),
         major_um: critical.displacement.iter().map(longest_um).collect(),
     }
 }
@@ -322,7 +435,14 @@ fn longest_um(displacement: &[Complex<f64>; 2]) -> f64 {
     UM.to_user(0.5 * ((y + turned).norm() + (y - turned).norm()))
 }
 
-fn shape_answer(job: &RotorJob, shape: &[[Complex<f64>; 3]]) -> ShapeAnswer {
+fn shape_answer(job: &RotorJob, Mode { shape, bodies, .. }: &Mode) -> ShapeAnswer {
+    let of_body = |(body, moved): (&BodyInput, &[Complex<f64>; 5])| BodyShapeAnswer {
+        name: body.name.clone(),
+        amplitude: [0, 1, 2].map(|axis| moved[axis].norm()),
+        phase_deg: [0, 1, 2].map(|axis| phase_deg(moved[axis])),
+        tilt_per_m: [3, 4].map(|axis| moved[axis].norm()),
+        tilt_phase_deg: [3, 4].map(|axis| phase_deg(moved[axis])),
+    };
     let amplitude = |axis: usize| shape.iter().map(|node| node[axis].norm()).collect::<Vec<_>>();
     let phase = |axis: usize| shape.iter().map(|node| phase_deg(node[axis])).collect();
     ShapeAnswer {
@@ -331,6 +451,7 @@ fn shape_answer(job: &RotorJob, shape: &[[Complex<f64>; 3]]) -> ShapeAnswer {
         y_phase_deg: phase(1),
         z: amplitude(2),
         z_phase_deg: phase(2),
+        bodies: bodies_of(job).zip(bodies).map(of_body).collect(),
     }
 }
 

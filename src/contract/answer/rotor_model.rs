@@ -28,6 +28,9 @@ pub struct RotorModelAnswer {
     pub unbalances: Vec<ModelUnbalanceAnswer>,
     /// Supports, then bearings, with their complete matrices over x, y, z, β_y, β_z.
     pub supports: Vec<ModelSupportAnswer>,
+    /// Whether housing bodies or outer rings move; the model leaves them out.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub leaves_out_housing: bool,
     /// Operating speed [rad/s].
     pub speed_rad_s: f64,
     /// Requested speeds [rad/s].
@@ -133,6 +136,7 @@ impl RotorModelAnswer {
                     ModelSupportAnswer { node: node(at), k, c }
                 })
                 .collect(),
+            leaves_out_housing: rotor.has_moving_housing(),
             speed_rad_s: rotor.speed,
             speeds_rad_s: job.speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect(),
         }

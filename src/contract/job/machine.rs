@@ -23,6 +23,7 @@ use crate::contract::json::problem::Refusal;
 use crate::contract::json::shapes::{object, optional_object, whole_number};
 use crate::contract::json::units::{DEG, US};
 use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::outer_ring::OuterRingSeatName;
 use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput};
 use crate::contract::scene::scene_input::ResolvedScene;
 
@@ -132,6 +133,7 @@ impl MachineJob {
             defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
             machine = None;
         }
+        refuse_housing(&input.scene, defaults);
         let settings = settings(input, machine.as_ref(), defaults);
         let (submission, input, _) = draft.finish()?;
         // Without errors there is one.
@@ -159,6 +161,19 @@ impl MachineJob {
     }
 }
 
+/// Refuses what moves beside the shaft.
+fn refuse_housing(scene: &RotorSceneInput, defaults: &mut Defaults) {
+    const NOT_YET: &str = "not supported yet by jobs of kind `machine`; a `rotor` job takes it";
+    if scene.housing.is_some() {
+        defaults.refuse("/scene/housing", NOT_YET);
+    }
+    for (index, bearing) in scene.bearings.iter().flatten().enumerate() {
+        if bearing.outer_ring.as_ref().and_then(|ring| ring.seat).is_some_and(|seat| seat != OuterRingSeatName::Rigid) {
+            defaults.refuse(format!("/scene/bearings/{index}/outer_ring/seat"), NOT_YET);
+        }
+    }
+}
+
 /// The machine in SI; `None` after errors in its bearings.
 fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut Defaults) -> Option<Machine> {
     let ResolvedRotor { rotor, scenes, sensors, speed, outer_speed, .. } = resolved;
@@ -175,7 +190,9 @@ fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut
         bearings.push(MachineBearing { name: input.name.clone(), scene: scene.clone(), start_azimuth: azimuth });
     }
     let rotor = rotor.clone().at_speeds(RingSpeeds { inner: speed.at(0.0).1, outer: outer_speed.at(0.0).1 });
-    Some(Machine { rotor, bearings, speed: speed.clone(), outer_speed: outer_speed.clone(), sensors: sensors.clone() })
+    let bodies = scene.housing.iter().flat_map(|housing| &housing.bodies).map(|body| body.name.clone()).collect();
+    let (speed, outer_speed, sensors) = (speed.clone(), outer_speed.clone(), sensors.clone());
+    Some(Machine { rotor, bearings, speed, outer_speed, sensors, bodies })
 }
 
 /// Times, accuracy and outputs of the run. Errors are noted in `defaults`.

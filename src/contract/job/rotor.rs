@@ -142,10 +142,10 @@ impl RotorJob {
         let speeds_rpm = speeds(input, draft.resolved.speed.largest(), defaults);
         let modes = defaults.fill("/modes", &mut input.modes, MODES);
         defaults.check_of_rotor("/modes", f64::from(modes));
-        let (submission, input, ResolvedRotor { rotor, elements, speed, outer_speed, .. }) = draft.finish()?;
+        let (submission, input, ResolvedRotor { rotor, elements, speed, outer_speed, sensors, .. }) = draft.finish()?;
         let rotor = rotor.at_speeds(RingRotation { inner: speed, outer: outer_speed }.operating());
         let speeds = speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect();
-        let request = Request { elements, speeds, modes: modes as usize };
+        let request = Request { elements, speeds, modes: modes as usize, sensors };
         Ok(Self { submission, input, rotor, request, speeds_rpm })
     }
 

@@ -9,6 +9,7 @@ use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::typed::typed_with_errors;
 use crate::contract::json::uploads::Uploads;
 use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput, refuse_unsupported};
+use raceway_core::rotor::restraint::{FreeMotion, Owner, free_motion};
 
 const NOT_RESTRAINED: &str = "they leave a rigid motion of the shaft free: give stiffness in y and z at two places, or tilt stiffness \
                               at one; a shaft with `axial` `free` also needs stiffness in x";
@@ -44,9 +45,8 @@ impl<I: ShaftRequest> ShaftDraft<I> {
         defaults.errors.append(&mut refused.errors);
         let resolved = input.scene().resolve(&mut defaults);
         // Whether bearings hold the shaft shows at the operating point.
-        let is_checked = unread.is_empty() && defaults.errors.is_empty() && resolved.rotor.bearings.is_empty();
-        if is_checked && !resolved.rotor.is_restrained() {
-            defaults.refuse("/scene/supports", NOT_RESTRAINED);
+        if unread.is_empty() && defaults.errors.is_empty() {
+            refuse_free_motion(&resolved, input.scene(), &mut defaults);
         }
         Ok(Self { request, unread, input, resolved, defaults })
     }
@@ -56,5 +56,28 @@ impl<I: ShaftRequest> ShaftDraft<I> {
         let submission = Submission::of(self.request, &mut self.input.service(), &mut self.defaults);
         let errors = all_errors(self.unread, self.defaults.errors);
         if errors.is_empty() { Ok((submission, self.input, self.resolved)) } else { Err(Refusal::Invalid { errors }) }
+    }
+}
+
+/// Refuses a motion that nothing restrains.
+fn refuse_free_motion(resolved: &ResolvedRotor, scene: &RotorSceneInput, defaults: &mut Defaults) {
+    const DISPLACEMENTS: [&str; 5] = ["along x", "along y", "along z", "in its tilt about y", "in its tilt about z"];
+    match free_motion(&resolved.rotor) {
+        None => {}
+        Some(FreeMotion::Shaft) => defaults.refuse("/scene/supports", NOT_RESTRAINED),
+        Some(FreeMotion::Beside(Owner::Body(index), displacement)) => {
+            let name = scene.housing.iter().flat_map(|housing| &housing.bodies).nth(index).map(|body| &body.name);
+            let (name, way) = (name.map_or("", String::as_str), DISPLACEMENTS[displacement]);
+            let remedy = match displacement {
+                0..3 => "give one of its mounts `stiffness_n_per_um` there",
+                _ => "give one of its mounts `tilt_n_m_per_mrad`, or two mounts at different places",
+            };
+            let detail = format!("nothing restrains `{name}` {way}: {remedy}");
+            defaults.refuse(format!("/scene/housing/bodies/{index}"), detail);
+        }
+        Some(FreeMotion::Beside(Owner::OuterRing(index), _)) => {
+            let detail = "the shaft and this ring slide together along x: give one bearing another seat, or this one `spring_n_per_um`";
+            defaults.refuse(format!("/scene/bearings/{index}/outer_ring"), detail);
+        }
     }
 }

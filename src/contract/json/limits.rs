@@ -48,7 +48,7 @@ const OF_A_JOB: [FieldLimits; 13] = [
 ];
 
 /// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 55] = [
+const OF_A_ROTOR: [FieldLimits; 70] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -91,12 +91,27 @@ const OF_A_ROTOR: [FieldLimits; 55] = [
     from("/scene/shaft/unbalances/phase_deg", -360.0, 360.0, "°"),
     from("/scene/bearings/at_mm", 0.0, 4e6, "mm"),
     from("/scene/bearings/start_azimuth_deg", 0.0, 360.0, "°"),
-    from("/scene/sensors/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/sensors/at_mm", -4e6, 4e6, "mm"),
     from("/scene/bearings/outer_ring/offset_um/x", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/offset_um/y", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/offset_um/z", -1000.0, 1000.0, "µm"),
     from("/scene/bearings/outer_ring/tilt_mrad/y", -20.0, 20.0, "mrad"),
     from("/scene/bearings/outer_ring/tilt_mrad/z", -20.0, 20.0, "mrad"),
+    from("/scene/bearings/outer_ring/stiffness_n_per_um", 1e-3, 1e6, "N/µm"),
+    from("/scene/bearings/outer_ring/tilt_n_m_per_mrad", 1e-6, 1e9, "N·m/mrad"),
+    from("/scene/bearings/outer_ring/damping_n_s_per_m", 0.0, 1e9, "N·s/m"),
+    from("/scene/bearings/outer_ring/tilt_damping_n_m_s_per_rad", 0.0, 1e9, "N·m·s/rad"),
+    from("/scene/bearings/outer_ring/spring_force_n", 0.0, 1e6, "N"),
+    from("/scene/bearings/outer_ring/spring_n_per_um", 0.0, 1e6, "N/µm"),
+    from("/scene/bearings/outer_ring/mass_kg", 1e-6, 1e6, "kg"),
+    from("/scene/housing/bodies/mass_kg", 1e-6, 1e9, "kg"),
+    from("/scene/housing/bodies/at_mm", -4e6, 4e6, "mm"),
+    from("/scene/housing/bodies/inertia_kg_m2", 1e-12, 1e12, "kg m²"),
+    from("/scene/housing/mounts/at_mm", -4e6, 4e6, "mm"),
+    from("/scene/housing/mounts/stiffness_n_per_um", 0.0, 1e6, "N/µm"),
+    from("/scene/housing/mounts/damping_n_s_per_m", 0.0, 1e9, "N·s/m"),
+    from("/scene/housing/mounts/tilt_n_m_per_mrad", 0.0, 1e9, "N·m/mrad"),
+    from("/scene/housing/mounts/tilt_damping_n_m_s_per_rad", 0.0, 1e9, "N·m·s/rad"),
     from("/scene/preloads/force_n", 0.0, 1e6, "N"),
     from("/scene/preloads/offset_um", -500.0, 500.0, "µm"),
     from("/scene/supports/at_mm", 0.0, 4e6, "mm"),

@@ -14,11 +14,14 @@ pub mod spindle;
 pub mod surfaces;
 pub mod terms;
 
+pub mod housing;
+pub mod outer_ring;
 mod rigid_spindle;
 pub mod rotor_bearings;
 pub mod rotor_scene;
 pub mod shaft;
 mod shaft_loads;
+mod springs;
 pub mod supports;
 
 pub mod single_bearing;
@@ -26,4 +29,5 @@ pub mod single_bearing;
 pub mod presets;
 
 mod bearing_base;
+mod names;
 mod preset_names;

@@ -5,8 +5,11 @@ use utoipa::ToSchema;
 
 use super::bearing::{BearingChoice, BearingInput};
 use super::damping::DampingInput;
+use super::housing::HousingInput;
 use super::lubricant::{LubricantChoice, LubricantInput};
+use super::names::check_body_name;
 use super::operation::{OperationInput, SpeedInput};
+use super::outer_ring::OuterRingInput;
 use super::scene_input::{ResolvedScene, SceneInput};
 use super::shaft::check_place;
 use super::surfaces::SurfacesInput;
@@ -14,17 +17,14 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::short;
 use crate::contract::json::problem::FieldError;
 use crate::contract::json::shapes::{NameOr, optional_object};
-use crate::contract::json::units::{MM, MRAD, UM};
+use crate::contract::json::units::{MM, UM};
 use crate::contract::json::uploads::Uploads;
 use raceway_core::physics::statics::RingBearing;
 use raceway_core::physics::statics::shaft::{Faces, Mounted};
-use raceway_core::rotor::input::RotorBearing;
+use raceway_core::rotor::input::{RotorBearing, Seat};
 
 const POINTER: &str = "/scene/bearings";
 const MAX_BEARINGS: usize = 8;
-const MAX_NAME: usize = 32;
-/// Names that channels have.
-const RESERVED: [&str; 5] = ["spindle", "cage", "ball", "sensor", "shaft"];
 
 /// A ball bearing on the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -74,59 +74,6 @@ pub enum FacesName {
     MinusX,
 }
 
-/// Outer ring of a bearing. It is held; elastic and sliding seats are not supported yet.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct OuterRingInput {
-    /// Seat. Default `rigid`, the only one so far.
-    #[schema(nullable = false)]
-    pub seat: Option<OuterRingSeatName>,
-    /// Displacement of the outer ring from the centred place.
-    #[serde(default, deserialize_with = "optional_object")]
-    #[schema(nullable = false)]
-    pub offset_um: Option<OffsetInput>,
-    /// Tilt of the outer ring.
-    #[serde(default, deserialize_with = "optional_object")]
-    #[schema(nullable = false)]
-    pub tilt_mrad: Option<OuterTiltInput>,
-}
-
-/// `rigid`: held in the ground. `elastic`, `sliding`: not supported yet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum OuterRingSeatName {
-    Rigid,
-    Elastic,
-    Sliding,
-}
-
-/// Displacement along X, Y and Z [µm]. Default 0.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct OffsetInput {
-    /// Along X [µm]. Default 0.
-    #[schema(nullable = false)]
-    pub x: Option<f64>,
-    /// Along Y [µm]. Default 0.
-    #[schema(nullable = false)]
-    pub y: Option<f64>,
-    /// Along Z [µm]. Default 0.
-    #[schema(nullable = false)]
-    pub z: Option<f64>,
-}
-
-/// Rotation about Y and Z [mrad]. Default 0.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct OuterTiltInput {
-    /// About Y [mrad]. Default 0.
-    #[schema(nullable = false)]
-    pub y: Option<f64>,
-    /// About Z [mrad]. Default 0.
-    #[schema(nullable = false)]
-    pub z: Option<f64>,
-}
-
 /// A bearing in SI.
 pub struct ResolvedBearing {
     pub rotor: RotorBearing,
@@ -135,7 +82,12 @@ pub struct ResolvedBearing {
 }
 
 /// The bearings in SI. Errors are noted in `defaults`.
-pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, length_mm: f64) -> Vec<ResolvedBearing> {
+pub fn resolve(
+    bearings: &mut [RotorBearingInput],
+    defaults: &mut Defaults,
+    length_mm: f64,
+    housing: Option<&HousingInput>,
+) -> Vec<ResolvedBearing> {
     if bearings.len() > MAX_BEARINGS {
         defaults.refuse(POINTER, format!("{} bearings: at most {MAX_BEARINGS}", bearings.len()));
     }
@@ -145,12 +97,12 @@ pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, leng
         let at = format!("{POINTER}/{index}");
         let (known, rest) = bearings.split_at_mut(index);
         let Some(bearing) = rest.first_mut() else { continue };
-        bearing.check_name(defaults, &at);
+        check_body_name(&bearing.name, defaults, &at);
         if known.iter().any(|other| other.name == bearing.name) {
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another bearing", bearing.name));
         }
         check_place(defaults, (&at, "at_mm"), bearing.at_mm, length_mm);
-        let Some(one) = bearing.resolve(defaults, &at) else { continue };
+        let Some(one) = bearing.resolve(defaults, &at, housing) else { continue };
         let (place, width) = (one.rotor.at, one.scene.scene.bearing.parameters.width);
         let overlaps = |(other, of): &(f64, f64)| (other - place).abs() < 0.5 * (of + width) * (1.0 - 1e-9);
         if widths.iter().any(overlaps) {
@@ -164,20 +116,17 @@ pub fn resolve(bearings: &mut [RotorBearingInput], defaults: &mut Defaults, leng
 }
 
 impl RotorBearingInput {
-    fn check_name(&self, defaults: &mut Defaults, at: &str) {
-        check_name(&self.name, defaults, at);
-        if RESERVED.contains(&self.name.as_str()) {
-            defaults.refuse(format!("{at}/name"), format!("`{}` is the name of a body; give another", self.name));
-        }
-    }
-
     /// The bearing; `None` after errors.
-    fn resolve(&mut self, defaults: &mut Defaults, at: &str) -> Option<ResolvedBearing> {
+    fn resolve(
+        &mut self,
+        defaults: &mut Defaults,
+        at: &str,
+        housing: Option<&HousingInput>,
+    ) -> Option<ResolvedBearing> {
         let faces = match defaults.fill(format!("{at}/faces"), &mut self.faces, FacesName::PlusX) {
             FacesName::PlusX => Faces::PlusX,
             FacesName::MinusX => Faces::MinusX,
         };
-        let outer = self.outer_ring.get_or_insert_default().resolve(defaults, &format!("{at}/outer_ring"));
         // The scene of this bearing alone checks and fills its fields.
         let alone = SceneInput {
             bearing: self.bearing.clone(),
@@ -210,44 +159,13 @@ impl RotorBearingInput {
         if let Some(azimuth) = self.start_azimuth_deg {
             defaults.check_of_rotor(&format!("{at}/start_azimuth_deg"), azimuth);
         }
+        let ring = self.outer_ring.get_or_insert_default();
+        let ring = ring.resolve(defaults, &format!("{at}/outer_ring"), &scene.scene.bearing, housing);
         let mut mounted = Mounted::new(RingBearing::new(&scene.scene.bearing), 0.0, faces);
-        mounted.outer = outer;
+        mounted.outer = ring.pose;
         let damping = scene.scene.raceway_damping.resolve();
-        Some(ResolvedBearing { rotor: RotorBearing { at: MM.to_si(self.at_mm), mounted, damping }, scene })
-    }
-}
-
-/// Refuses a name that no channel can have; `at`: pointer to the object that has it.
-pub(super) fn check_name(name: &str, defaults: &mut Defaults, at: &str) {
-    let mut letters = name.chars();
-    let is_pattern = letters.next().is_some_and(|first| first.is_ascii_alphabetic())
-        && letters.all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-')
-        && name.len() <= MAX_NAME;
-    if !is_pattern {
-        let detail = format!("must be a letter, then letters, digits, `_` or `-`, at most {MAX_NAME}");
-        defaults.refuse(format!("{at}/name"), detail);
-    }
-}
-
-impl OuterRingInput {
-    /// Pose of the outer ring.
-    fn resolve(&mut self, defaults: &mut Defaults, at: &str) -> [f64; 5] {
-        if defaults.fill(format!("{at}/seat"), &mut self.seat, OuterRingSeatName::Rigid) != OuterRingSeatName::Rigid {
-            defaults.refuse(format!("{at}/seat"), "not supported yet: `rigid` is the only seat so far");
-        }
-        let mut take = |name: &str, field: &mut Option<f64>| {
-            let pointer = format!("{at}/{name}");
-            let value = defaults.fill(pointer.clone(), field, 0.0);
-            defaults.check_of_rotor(&pointer, value);
-            value
-        };
-        let offset = self.offset_um.get_or_insert_default();
-        let x = take("offset_um/x", &mut offset.x);
-        let y = take("offset_um/y", &mut offset.y);
-        let z = take("offset_um/z", &mut offset.z);
-        let tilt = self.tilt_mrad.get_or_insert_default();
-        let (about_y, about_z) = (take("tilt_mrad/y", &mut tilt.y), take("tilt_mrad/z", &mut tilt.z));
-        [UM.to_si(x), UM.to_si(y), UM.to_si(z), MRAD.to_si(about_y), MRAD.to_si(about_z)]
+        let (at, on, seat) = (MM.to_si(self.at_mm), ring.on, ring.seat);
+        Some(ResolvedBearing { rotor: RotorBearing { at, mounted, damping, on, seat }, scene })
     }
 }
 
@@ -293,11 +211,19 @@ pub fn preload(
             continue;
         };
         for index in [one, other] {
-            let offset = inputs[index].outer_ring.and_then(|ring| ring.offset_um).and_then(|offset| offset.x);
+            let ring = inputs[index].outer_ring.as_ref();
+            let offset = ring.and_then(|ring| ring.offset_um).and_then(|offset| offset.x);
             if offset.is_some_and(|offset| offset != 0.0) {
                 let pointer = format!("/scene/bearings/{index}/outer_ring/offset_um/x");
                 defaults.refuse(pointer, "the preload sets the place of this ring along X");
             }
+        }
+        let sliding =
+            [one, other].into_iter().find(|index| matches!(bearings[*index].rotor.seat, Seat::Sliding { .. }));
+        if let Some(index) = sliding {
+            let detail = format!("the ring of `{}` slides: its spring sets the preload", inputs[index].name);
+            defaults.refuse(format!("{at}/between"), detail);
+            continue;
         }
         if inputs[one].faces == inputs[other].faces {
             defaults.refuse(format!("{at}/between"), "the bearings must face opposite directions");

@@ -1,20 +1,22 @@
-//! Linear supports of a shaft: springs and dashpots to the ground.
+//! Linear supports of a shaft: springs and dashpots to the ground or to a body of the housing.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::housing::{HousingInput, body};
 use super::shaft::check_place;
+use super::springs::{SpringFields, springs};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::optional_object;
-use crate::contract::json::units::{MM, N_M_PER_MRAD, N_PER_UM};
-use raceway_core::physics::frame::support::{PORT, Support, diagonal};
+use crate::contract::json::units::MM;
+use raceway_core::physics::frame::support::{PORT, PortMatrix, Support};
 
 const POINTER: &str = "/scene/supports";
 const MAX_SUPPORTS: usize = 16;
 /// Largest magnitude of an entry of a matrix, in SI: far above any real one.
 const MOST: f64 = 1e13;
 
-/// A spring and a dashpot between shaft and ground, for a roller bearing, a plain bearing or a coupling. Either `stiffness_n_per_um`
+/// A spring and a dashpot between shaft and ground or a housing body, for a roller bearing, a plain bearing or a coupling. Either `stiffness_n_per_um`
 /// or `matrix`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -42,7 +44,7 @@ pub struct SupportInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub matrix: Option<SupportMatrixInput>,
-    /// Housing body that holds it. Not supported yet: every support stands on the ground.
+    /// Name of the housing body that holds it. Default: the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32)]
     pub on: Option<String>,
@@ -63,33 +65,47 @@ pub struct SupportMatrixInput {
 }
 
 /// The supports in SI. Errors are noted in `defaults`.
-pub fn resolve(supports: &mut [SupportInput], defaults: &mut Defaults, length_mm: f64) -> Vec<Support> {
+pub fn resolve(
+    supports: &mut [SupportInput],
+    defaults: &mut Defaults,
+    length_mm: f64,
+    housing: Option<&HousingInput>,
+) -> Vec<Support> {
     if supports.len() > MAX_SUPPORTS {
         defaults.refuse(POINTER, format!("{} supports: at most {MAX_SUPPORTS}", supports.len()));
     }
     let resolved = supports.iter_mut().enumerate();
-    resolved.map(|(index, support)| support.resolve(defaults, &format!("{POINTER}/{index}"), length_mm)).collect()
+    resolved
+        .map(|(index, support)| support.resolve(defaults, &format!("{POINTER}/{index}"), length_mm, housing))
+        .collect()
 }
 
 impl SupportInput {
-    fn resolve(&mut self, defaults: &mut Defaults, at: &str, length_mm: f64) -> Support {
-        check_place(defaults, (at, "at_mm"), self.at_mm, length_mm);
-        if self.on.is_some() {
-            defaults.refuse(format!("{at}/on"), "not supported yet: every support stands on the ground");
-        }
-        let (stiffness, damping) = match self.matrix.clone() {
-            Some(matrix) => self.of_matrix(defaults, at, &matrix),
-            None => self.of_springs(defaults, at),
-        };
-        Support { at: MM.to_si(self.at_mm), stiffness, damping }
-    }
-
-    fn of_matrix(
-        &self,
+    fn resolve(
+        &mut self,
         defaults: &mut Defaults,
         at: &str,
-        matrix: &SupportMatrixInput,
-    ) -> ([[f64; PORT]; PORT], [[f64; PORT]; PORT]) {
+        length_mm: f64,
+        housing: Option<&HousingInput>,
+    ) -> Support {
+        check_place(defaults, (at, "at_mm"), self.at_mm, length_mm);
+        let on = body(housing, self.on.as_ref(), defaults, format!("{at}/on"));
+        let (stiffness, damping) = match self.matrix.clone() {
+            Some(matrix) => self.of_matrix(defaults, at, &matrix),
+            None => {
+                let fields = SpringFields {
+                    stiffness: &self.stiffness_n_per_um,
+                    damping: &mut self.damping_n_s_per_m,
+                    tilt: &mut self.tilt_n_m_per_mrad,
+                    tilt_damping: &mut self.tilt_damping_n_m_s_per_rad,
+                };
+                springs(defaults, at, fields)
+            }
+        };
+        Support { at: MM.to_si(self.at_mm), on, stiffness, damping }
+    }
+
+    fn of_matrix(&self, defaults: &mut Defaults, at: &str, matrix: &SupportMatrixInput) -> (PortMatrix, PortMatrix) {
         let others = [
             ("stiffness_n_per_um", self.stiffness_n_per_um.is_some()),
             ("damping_n_s_per_m", self.damping_n_s_per_m.is_some()),
@@ -110,27 +126,5 @@ impl SupportInput {
             }
         }
         (matrix.k, damping)
-    }
-
-    fn of_springs(&mut self, defaults: &mut Defaults, at: &str) -> ([[f64; PORT]; PORT], [[f64; PORT]; PORT]) {
-        let k = defaults.require(format!("{at}/stiffness_n_per_um"), &self.stiffness_n_per_um, [0.0; 3]);
-        let c = defaults.fill(format!("{at}/damping_n_s_per_m"), &mut self.damping_n_s_per_m, [0.0; 3]);
-        let tilt = defaults.fill(format!("{at}/tilt_n_m_per_mrad"), &mut self.tilt_n_m_per_mrad, [0.0; 2]);
-        let pointer = format!("{at}/tilt_damping_n_m_s_per_rad");
-        let tilt_damping = defaults.fill(pointer, &mut self.tilt_damping_n_m_s_per_rad, [0.0; 2]);
-        let lists: [(&str, &[f64]); 4] = [
-            ("stiffness_n_per_um", &k),
-            ("damping_n_s_per_m", &c),
-            ("tilt_n_m_per_mrad", &tilt),
-            ("tilt_damping_n_m_s_per_rad", &tilt_damping),
-        ];
-        for (name, values) in lists {
-            for (index, value) in values.iter().enumerate() {
-                defaults.check_of_rotor(&format!("{at}/{name}/{index}"), *value);
-            }
-        }
-        let [x, y, z] = k.map(|value| N_PER_UM.to_si(value));
-        let [about_y, about_z] = tilt.map(|value| N_M_PER_MRAD.to_si(value));
-        (diagonal([x, y, z, about_y, about_z]), diagonal([c[0], c[1], c[2], tilt_damping[0], tilt_damping[1]]))
     }
 }

@@ -1,4 +1,4 @@
-//! A bearing on the shaft: its dynamics, seen from the shaft's axes.
+//! A bearing between shaft and housing: its dynamics, seen from the shaft's axes.
 
 use super::frame::Frame;
 use super::input::{Loss, Machine, MachineError};
@@ -9,7 +9,7 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::dynamics::Full;
-use crate::simulation::model::dynamics::on_ring::RingLoad;
+use crate::simulation::model::dynamics::on_ring::{RingLoad, Rings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::state::SpindleState;
 use crate::simulation::model::step_loads::PackedStepLoads;
@@ -20,8 +20,10 @@ use crate::simulation::model::terms::ActiveTerms;
 #[derive(Debug, Clone)]
 pub struct BearingOnShaft {
     pub dynamics: Full,
-    /// Its facing, and the place of its outer ring.
+    /// Its facing, and the place of its outer ring at rest, to which its state refers.
     pub mounted: Mounted,
+    /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
+    pub outer_rest: Option<[f64; 5]>,
 }
 
 impl BearingOnShaft {
@@ -31,26 +33,25 @@ impl BearingOnShaft {
         layout.dimension() - 2 * layout.freedoms().len()
     }
 
-    /// Motion of the inner ring in the bearing's own axes, by displacements and velocities of the shaft at its place.
+    /// Motion of the rings in the bearing's own axes, by displacements and velocities of the shaft at its place, and of the outer ring where it moves.
     #[inline(always)]
-    pub(crate) fn ring(&self, place: &[f64; 5], velocity: &[f64; 5]) -> SpindleState {
-        let [x, y, z, about_y, about_z] = self.mounted.ring_pose(place, 0.0);
-        let [vx, vy, vz, rate_y, rate_z] = self.mounted.wrench_on_shaft(velocity);
-        SpindleState {
-            position: [x, y, z],
-            velocity: [vx, vy, vz],
-            tilt: [about_y, about_z],
-            tilt_rate: [rate_y, rate_z],
-        }
+    pub(crate) fn rings(&self, inner: [[f64; 5]; 2], outer: Option<[[f64; 5]; 2]>) -> Rings {
+        let [place, velocity] = inner;
+        let inner = motion(self.mounted.ring_pose(&place, 0.0), self.mounted.wrench_on_shaft(&velocity));
+        let outer = outer.zip(self.outer_rest).map(|([place, velocity], rest)| {
+            let moved = std::array::from_fn(|k| place[k] - rest[k]);
+            motion(self.mounted.wrench_on_shaft(&moved), self.mounted.wrench_on_shaft(&velocity))
+        });
+        Rings { inner, outer }
     }
 
-    /// Reason why the bearing of this name cannot hold a ring that moves like this.
-    pub(crate) fn loss_of_ring(&self, name: &str, ring: &SpindleState) -> Option<Loss> {
+    /// Reason why the bearing of this name cannot hold a ring at this place and tilt.
+    pub(crate) fn loss_of_ring(&self, name: &str, (position, tilt): ([f64; 3], [f64; 2])) -> Option<Loss> {
         let bearing = || name.to_owned();
-        if !ring.position.iter().chain(&ring.tilt).all(|value| value.is_finite()) {
+        if !position.iter().chain(&tilt).all(|value| value.is_finite()) {
             return Some(Loss::NotFinite { bearing: bearing() });
         }
-        let departure = self.dynamics.mechanism().departure(ring.position, ring.tilt)?;
+        let departure = self.dynamics.mechanism().departure(position, tilt)?;
         Some(Loss::Left { bearing: bearing(), departure })
     }
 
@@ -67,10 +68,15 @@ impl BearingOnShaft {
         (depth > MAX_RELATIVE_DEPTH).then(|| Loss::TooDeep { bearing: name.to_owned(), load, depth })
     }
 
-    /// Forces and moments on the shaft.
+    /// Forces and moments of a ring on shaft or housing.
     pub(crate) fn on_shaft(&self, load: &RingLoad) -> [f64; 5] {
         self.mounted.wrench_on_shaft(&load.wrench())
     }
+}
+
+#[inline(always)]
+fn motion([x, y, z, about_y, about_z]: [f64; 5], [vx, vy, vz, rate_y, rate_z]: [f64; 5]) -> SpindleState {
+    SpindleState { position: [x, y, z], velocity: [vx, vy, vz], tilt: [about_y, about_z], tilt_rate: [rate_y, rate_z] }
 }
 
 /// Balls and cage of each bearing, with the terms that its load about the operating point needs.
@@ -97,7 +103,12 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
             .map_err(|choice| failed(choice.into()))?;
         let mut mechanism = with_surfaces(Mechanism::new(&scene, &terms), &scene);
         mechanism.start = mechanism.start.turned(moving.start_azimuth);
-        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted: placed.mounted.clone() });
+        let outer_rest = frame.outer[index].as_ref().map(|outer| outer.rest);
+        let mut mounted = placed.mounted.clone();
+        for (value, rest) in mounted.outer.iter_mut().zip(outer_rest.unwrap_or_default()) {
+            *value += rest;
+        }
+        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted, outer_rest });
     }
     Ok(bearings)
 }

@@ -6,7 +6,7 @@ use std::fmt;
 use super::input::Machine;
 use crate::simulation::input::channel::{Axis, Motion};
 
-/// A signal. Bearings and sensors count from 0.
+/// A signal. Bearings, sensors and bodies count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MachineChannel {
     /// Of the inner ring of a bearing, along the shaft's axes.
@@ -21,6 +21,8 @@ pub enum MachineChannel {
     /// Spin of ball 1 about the axis of its bearing, as seen from the cage.
     BallSpin(usize),
     Sensor(usize, Motion),
+    /// Of the mass centre of a housing body.
+    Body(usize, Axis, Motion),
 }
 
 impl MachineChannel {
@@ -36,6 +38,10 @@ impl MachineChannel {
             channels.extend(along.iter().map(|axis| Self::Force(bearing, *axis)));
             channels.extend(RADIAL.map(|axis| Self::Moment(bearing, axis)));
             channels.extend([Self::CageSpeed(bearing), Self::BallSpin(bearing)]);
+        }
+        for body in 0..machine.bodies.len() {
+            let moved = [Axis::X, Axis::Y, Axis::Z].into_iter();
+            channels.extend(moved.flat_map(|axis| motions.map(|motion| Self::Body(body, axis, motion))));
         }
         let motions = [Motion::Displacement, Motion::Velocity, Motion::Acceleration];
         channels
@@ -53,7 +59,7 @@ impl MachineChannel {
         Named { channel: *self, machine }
     }
 
-    /// Number of its bearing or of its sensor.
+    /// Number of its bearing, sensor or body.
     pub fn source(&self) -> usize {
         match *self {
             Self::Ring(index, ..)
@@ -62,18 +68,24 @@ impl MachineChannel {
             | Self::Moment(index, _)
             | Self::CageSpeed(index)
             | Self::BallSpin(index)
-            | Self::Sensor(index, _) => index,
+            | Self::Sensor(index, _)
+            | Self::Body(index, ..) => index,
         }
     }
 
     pub fn is_acceleration(&self) -> bool {
-        matches!(self, Self::Ring(_, _, Motion::Acceleration) | Self::Sensor(_, Motion::Acceleration))
+        matches!(
+            self,
+            Self::Ring(_, _, Motion::Acceleration)
+                | Self::Sensor(_, Motion::Acceleration)
+                | Self::Body(_, _, Motion::Acceleration)
+        )
     }
 
     /// The unit in which results show this signal.
     pub fn unit(&self) -> &'static str {
         match self {
-            Self::Ring(_, _, motion) | Self::Sensor(_, motion) => match motion {
+            Self::Ring(_, _, motion) | Self::Sensor(_, motion) | Self::Body(_, _, motion) => match motion {
                 Motion::Displacement => "µm",
                 Motion::Velocity => "mm/s",
                 Motion::Acceleration => "m/s²",
@@ -88,7 +100,7 @@ impl MachineChannel {
     /// Factor from SI (speed: rad/s) to `unit()`.
     pub fn scale(&self) -> f64 {
         match self {
-            Self::Ring(_, _, motion) | Self::Sensor(_, motion) => match motion {
+            Self::Ring(_, _, motion) | Self::Sensor(_, motion) | Self::Body(_, _, motion) => match motion {
                 Motion::Displacement => 1e6,
                 Motion::Velocity => 1e3,
                 Motion::Acceleration => 1.0,
@@ -121,6 +133,9 @@ impl fmt::Display for Named<'_> {
             MachineChannel::Moment(index, axis) => write!(f, "{}.moment.{axis}", bearing(index)),
             MachineChannel::CageSpeed(index) => write!(f, "{}.cage.speed", bearing(index)),
             MachineChannel::BallSpin(index) => write!(f, "{}.ball.1.spin", bearing(index)),
+            MachineChannel::Body(index, axis, of) => {
+                write!(f, "{}.{axis}.{}", self.machine.bodies[index], motion(of))
+            }
             MachineChannel::Sensor(index, of) => {
                 write!(f, "sensor.{}.{}", self.machine.sensors[index].name, motion(of))
             }

@@ -1,4 +1,4 @@
-//! The equations of motion of a machine: each bearing at the motion of its inner ring, the shaft under their loads.
+//! The equations of motion of a machine: each bearing at the motion of its rings, shaft and housing under their loads.
 
 use super::bearing::{BearingOnShaft, bearings};
 use super::frame::Frame;
@@ -7,11 +7,10 @@ use crate::numerics::ode::OdeSystem;
 use crate::physics::operation::SpeedProfile;
 use crate::rotor::input::rising;
 use crate::simulation::model::dynamics::Watch;
-use crate::simulation::model::dynamics::on_ring::RingLoad;
-use crate::simulation::model::state::SpindleState;
+use crate::simulation::model::dynamics::on_ring::{RingLoads, Rings};
 
-/// The equations of a machine. The state holds balls and cage of one bearing after the other, then places and velocities of the shaft's
-/// coordinates.
+/// The equations of a machine. The state holds balls and cage of one bearing after the other, then places and velocities of the
+/// coordinates of shaft and housing.
 #[derive(Debug, Clone)]
 pub struct MachineDynamics {
     pub frame: Frame,
@@ -22,8 +21,8 @@ pub struct MachineDynamics {
 
 /// Loads of all bearings at one time.
 pub(crate) struct Loads {
-    /// On the inner rings, in the bearings' own axes.
-    pub rings: Vec<RingLoad>,
+    /// On the rings, in the bearings' own axes.
+    pub rings: Vec<RingLoads>,
 }
 
 impl MachineDynamics {
@@ -35,18 +34,28 @@ impl MachineDynamics {
         Ok(Self { frame, bearings, speed, outer_speed })
     }
 
-    /// Places and velocities of the shaft's coordinates in a state.
+    /// Places and velocities of the coordinates of shaft and housing in a state.
     pub fn coordinates<'y>(&self, state: &'y [f64]) -> (&'y [f64], &'y [f64]) {
         let size = self.frame.len();
         let (place, velocity) = state[state.len() - 2 * size..].split_at(size);
         (place, velocity)
     }
 
-    /// Motion of the ring of a bearing, in its own axes, by the shaft's coordinates.
+    /// Motion of the rings of a bearing, in its own axes, by the coordinates.
     #[inline(always)]
-    pub(crate) fn ring(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> SpindleState {
-        let port = &self.frame.ports[bearing];
-        self.bearings[bearing].ring(&port.of_place(place), &port.of_place(velocity))
+    pub(crate) fn rings(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> Rings {
+        let motion = |port: usize| [place, velocity].map(|vector| self.frame.ports[port].of_place(vector));
+        let outer = self.frame.outer[bearing].as_ref().map(|outer| motion(outer.port));
+        self.bearings[bearing].rings(motion(bearing), outer)
+    }
+
+    /// Adds the forces of the rings of a bearing on the coordinates.
+    fn add_loads(&self, bearing: usize, loads: &RingLoads, forces: &mut [f64]) {
+        let of = &self.bearings[bearing];
+        self.frame.ports[bearing].add_forces(&of.on_shaft(&loads.inner), forces);
+        if let Some(outer) = &self.frame.outer[bearing] {
+            self.frame.ports[outer.port].add_forces(&of.on_shaft(&loads.outer), forces);
+        }
     }
 
     /// Entries of each bearing in a state.
@@ -80,11 +89,11 @@ impl MachineDynamics {
         let mut rings = Vec::with_capacity(self.bearings.len());
         for (index, (bearing, part)) in self.bearings.iter().zip(self.parts(state)).enumerate() {
             let (of_part, others) = std::mem::take(&mut rest).split_at_mut(part.len());
-            let ring = self.ring(index, place, velocity);
+            let motion = self.rings(index, place, velocity);
             let mut watch = watch(index);
-            let load = bearing.dynamics.rates_on_ring(time, part, ring, of_part, watch.as_deref_mut());
-            self.frame.ports[index].add_forces(&bearing.on_shaft(&load), of_velocity);
-            rings.push(load);
+            let loads = bearing.dynamics.rates_on_ring(time, part, motion, of_part, watch.as_deref_mut());
+            self.add_loads(index, &loads, of_velocity);
+            rings.push(loads);
             rest = others;
         }
         Loads { rings }
@@ -99,7 +108,7 @@ impl MachineDynamics {
     /// Torque of the drive on the shaft that balances the bearings [N m].
     pub fn drive_torque(&self, time: f64, state: &[f64]) -> f64 {
         let mut rates = vec![0.0; state.len()];
-        -self.evaluate(time, state, &mut rates, |_| None).rings.iter().map(|ring| ring.drive).sum::<f64>()
+        -self.evaluate(time, state, &mut rates, |_| None).rings.iter().map(|ring| ring.inner.drive).sum::<f64>()
     }
 }
 

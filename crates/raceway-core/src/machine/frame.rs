@@ -1,15 +1,15 @@
-//! The shaft in coordinates whose stiffness is diagonal: free modes and residual vectors, supports included.
+//! Shaft and housing in coordinates whose stiffness is diagonal: free modes and residual vectors, supports, mounts and seats included.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use super::input::{Machine, MachineError};
+use super::input::{Machine, MachineError, Part, Sensor};
 use crate::numerics::lanes::LANES;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
 use crate::physics::loads::{Load, VaryingLoads};
 use crate::physics::spindle::unbalance_force;
 use crate::rotor::coordinates::Coordinates;
-use crate::rotor::input::{Rotor, rising};
+use crate::rotor::input::{Rotor, RotorBearing, rising};
 use crate::rotor::system::System;
 use crate::simulation::recording::sampling::BAND;
 
@@ -30,10 +30,14 @@ pub struct Frame {
     /// What couples coordinates, by their velocities and displacements, constant and times the speed.
     velocity: Coupling,
     place: Coupling,
-    /// Ports of the bearings, in their order.
+    /// Ports of the inner rings of the bearings, in their order, then of the outer rings that move.
     pub ports: Vec<Rows>,
-    /// Ports of the sensors, in their order.
+    /// Outer rings of the bearings; `None`: it does not move.
+    pub outer: Vec<Option<OuterPort>>,
+    /// Ports of the sensors, in their order, each from what it measures from.
     pub sensors: Vec<Rows>,
+    /// Ports of the mass centres of the bodies, in their order.
+    pub bodies: Vec<Rows>,
     /// Constant loads, weight included.
     load: Vec<f64>,
     planes: Vec<Plane>,
@@ -46,6 +50,15 @@ pub struct Frame {
 /// Displacements of a place by each coordinate, padded, so that one pass over the coordinates gives all of them.
 #[derive(Debug, Clone)]
 pub struct Rows(Vec<[f64; LANES]>);
+
+/// An outer ring that moves.
+#[derive(Debug, Clone, Copy)]
+pub struct OuterPort {
+    /// Number of its port.
+    pub port: usize,
+    /// Its displacements at rest.
+    pub rest: [f64; PORT],
+}
 
 /// A matrix `constant` + Ω `by_speed`.
 #[derive(Debug, Clone)]
@@ -82,29 +95,23 @@ impl Frame {
         let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND, stop)?;
         let system = System::of(rotor, mesh, count, &[rotor.speed])?;
         let size = system.coordinates.len();
-        let own: Vec<f64> = system.coordinates.squares().collect();
-        let (mut stiffness, mut damping) =
-            (DMatrix::from_diagonal(&DVector::from_vec(own.clone())), DMatrix::zeros(size, size));
-        for (place, square) in own.iter().enumerate() {
-            damping[(place, place)] = 2.0 * rotor.shaft.damping_ratio * square.sqrt();
-        }
-        for (port, _) in system.ports.iter().zip(&rotor.supports) {
-            let (k, c) = system.of_port(port, 0.0);
-            stiffness += port.rows.transpose() * k * &port.rows;
-            damping += port.rows.transpose() * c * &port.rows;
-        }
-        let symmetric = 0.5 * (&stiffness + stiffness.transpose());
-        let (squares, basis) = match rotor.supports.is_empty() {
-            true => (own, DMatrix::identity(size, size)),
+        let [stiffness, damping] = &system.linear;
+        let symmetric = 0.5 * (stiffness + stiffness.transpose());
+        let (squares, basis) = match system.springs.is_empty() {
+            true => (system.coordinates.squares().collect(), DMatrix::identity(size, size)),
             false => {
                 let eigen = SymmetricEigen::new(symmetric.clone());
                 (eigen.eigenvalues.iter().map(|square| square.max(0.0)).collect(), eigen.eigenvectors)
             }
         };
         let turned = |matrix: &DMatrix<f64>| basis.transpose() * matrix * &basis;
-        let damping = turned(&damping);
+        let damping = turned(damping);
         let own_damping: Vec<f64> = damping.diagonal().iter().copied().collect();
         let rows = |at: f64| Rows::of(&(system.coordinates.port(system.coordinates.mesh.node(at)) * &basis));
+        let inner = rotor.bearings.iter().map(|bearing| rows(bearing.at));
+        let housing = &system.coordinates.housing;
+        let bodies = rotor.housing.bodies.iter().enumerate();
+        let (outer_rows, outer) = outer_rings(rotor, &system, &basis);
         let over =
             |force: Vec<f64>| (basis.transpose() * DVector::from_vec(force)).iter().copied().collect::<Vec<f64>>();
         let planes = rotor.unbalances.iter().map(|plane| Plane {
@@ -118,11 +125,13 @@ impl Frame {
                 by_speed: Rest::of(&turned(system.gyroscopic())),
             },
             place: Coupling {
-                constant: Rest::of(&turned(&(&stiffness - symmetric))),
+                constant: Rest::of(&turned(&(stiffness - symmetric))),
                 by_speed: Rest::of(&turned(system.rotating())),
             },
-            ports: rotor.bearings.iter().map(|bearing| rows(bearing.at)).collect(),
-            sensors: machine.sensors.iter().map(|sensor| rows(sensor.at)).collect(),
+            ports: inner.chain(outer_rows).collect(),
+            outer,
+            sensors: machine.sensors.iter().map(|sensor| Rows::of(&(sensor_rows(sensor, &system) * &basis))).collect(),
+            bodies: bodies.map(|(index, body)| Rows::of(&(housing.body(Some(index), body.at) * &basis))).collect(),
             load: over(system.load(rotor).iter().copied().collect()),
             planes: planes.collect(),
             loaded: loaded(rotor, machine.speed.largest(), rows),
@@ -279,6 +288,26 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
+/// Ports of the outer rings that move, at their places along what carries them, and for each bearing whether it has one.
+fn outer_rings(rotor: &Rotor, system: &System, basis: &DMatrix<f64>) -> (Vec<Rows>, Vec<Option<OuterPort>>) {
+    let housing = &system.coordinates.housing;
+    let mut ports = Vec::new();
+    let mut of = |(index, bearing): (usize, &RotorBearing)| {
+        let rest = &system.operating.first()?.coordinates;
+        let at = bearing.outer_ring();
+        let slipped = housing.slipped(index, &housing.outer_ring(index, at), rest);
+        let rows = housing.outer_ring(index, at + slipped);
+        let displacements = &rows * rest;
+        ports.push(Rows::of(&(rows * basis)));
+        let port = rotor.bearings.len() + ports.len() - 1;
+        Some(OuterPort { port, rest: std::array::from_fn(|row| displacements[row]) })
+    };
+    let outer = rotor.bearings.iter().enumerate();
+    let outer = outer.map(|(index, bearing)| if bearing.has_moving_outer_ring() { of((index, bearing)) } else { None });
+    let outer = outer.collect();
+    (ports, outer)
+}
+
 /// The loads that vary, by their place.
 fn loaded(rotor: &Rotor, largest_speed: f64, rows: impl Fn(f64) -> Rows) -> Vec<LoadedPlace> {
     let of_place = |at: f64| {
@@ -333,8 +362,21 @@ fn free_modes(
     }
 }
 
+/// Displacements that a sensor sees, of its part from what it measures from.
+fn sensor_rows(sensor: &Sensor, system: &System) -> DMatrix<f64> {
+    let coordinates = &system.coordinates;
+    let of = |part: Part| match part {
+        Part::Shaft => coordinates.port(coordinates.mesh.node(sensor.at)),
+        Part::Body(body) => coordinates.housing.body(Some(body), sensor.at),
+    };
+    match sensor.relative_to {
+        None => of(sensor.on),
+        Some(other) => of(sensor.on) - of(other),
+    }
+}
+
 /// Places of the shaft at which something acts or is measured, rising [m].
 fn stations(machine: &Machine) -> Vec<f64> {
-    let measured = machine.sensors.iter().map(|sensor| sensor.at);
+    let measured = machine.sensors.iter().filter(|sensor| sensor.concerns_shaft()).map(|sensor| sensor.at);
     rising(machine.rotor.places().into_iter().chain(measured).collect())
 }

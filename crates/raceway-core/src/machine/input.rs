@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::rotor::input::{Rotor, RotorError};
-use crate::simulation::input::channel::Axis;
+pub use crate::rotor::sensor::{Part, Sensor};
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::{Departure, SimulationError};
 
@@ -20,6 +20,8 @@ pub struct Machine {
     /// Speed of every outer ring.
     pub outer_speed: SpeedProfile,
     pub sensors: Vec<Sensor>,
+    /// Names of the bodies of the rotor's housing, in their order.
+    pub bodies: Vec<String>,
 }
 
 /// What moves in a bearing.
@@ -31,15 +33,6 @@ pub struct MachineBearing {
     pub scene: Scene,
     /// Azimuth at which its first ball starts [rad].
     pub start_azimuth: f64,
-}
-
-/// A sensor on the shaft, which measures along one direction.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sensor {
-    pub name: String,
-    /// Place along the shaft [m].
-    pub at: f64,
-    pub axis: Axis,
 }
 
 /// Reason why a run has no result.

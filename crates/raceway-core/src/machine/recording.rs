@@ -47,7 +47,7 @@ pub struct BearingRecord {
 pub(crate) struct Recorder<'m> {
     dynamics: &'m MachineDynamics,
     channels: Vec<MachineChannel>,
-    sensors: Vec<Axis>,
+    sensors: Vec<usize>,
     start: f64,
     values: usize,
     /// Samples per value, samples before the first value, and samples so far.
@@ -153,6 +153,7 @@ impl<'m> Recorder<'m> {
         };
         let rings: Vec<Moved> = frame.ports.iter().map(at).collect();
         let sensors: Vec<Moved> = frame.sensors.iter().map(at).collect();
+        let bodies: Vec<Moved> = frame.bodies.iter().map(at).collect();
         let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };
         let time = stepper.time();
         for (value, channel) in self.frame.iter_mut().zip(&self.channels) {
@@ -167,7 +168,8 @@ impl<'m> Recorder<'m> {
                 MachineChannel::BallSpin(bearing) => {
                     spin(dynamics, bearing, stepper.bearings()[bearing].state(), 0, time)[0]
                 }
-                MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor] as usize],
+                MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor]],
+                MachineChannel::Body(body, axis, motion) => bodies[body].of(motion)[axis as usize],
             };
         }
     }

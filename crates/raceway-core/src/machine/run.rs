@@ -143,7 +143,7 @@ impl Run<'_> {
             let (bearing, name) = (&self.dynamics.bearings[index], &self.machine.bearings[index].name);
             let collision = of.touching().map(|_| Loss::Collision { bearing: name.clone() });
             collision
-                .or_else(|| bearing.loss_of_ring(name, &self.dynamics.ring(index, place, velocity)))
+                .or_else(|| bearing.loss_of_ring(name, self.dynamics.rings(index, place, velocity).apart()))
                 .or_else(|| bearing.loss_of_balls(name, PackedStepLoads(of.step_loads())))
         };
         match stepper.bearings().iter().enumerate().find_map(loss) {

@@ -2,8 +2,10 @@
 
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineError, StepsOfLoss};
+use crate::physics::frames::{Azimuth, Tilt, add};
 use crate::rotor::deflection::deflection;
 use crate::rotor::response::{of_load, of_unbalance};
+use crate::simulation::model::Mechanism;
 use crate::simulation::model::equilibrium::on_ring;
 use crate::simulation::model::state::{BallState, SpindleState};
 
@@ -24,17 +26,21 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
     let (place, velocity) = (frame.from_analysis(&place), frame.from_analysis(&velocity));
     let mut state = Vec::new();
     for (index, bearing) in dynamics.bearings.iter().enumerate() {
-        let (name, ring) = (&machine.bearings[index].name, dynamics.ring(index, &place, &velocity));
-        if let Some(cause) = bearing.loss_of_ring(name, &ring) {
+        let (name, rings) = (&machine.bearings[index].name, dynamics.rings(index, &place, &velocity));
+        if let Some(cause) = bearing.loss_of_ring(name, rings.apart()) {
             return Err(MachineError::Lost { time: 0.0, cause, steps: StepsOfLoss::AtStart });
         }
-        let SpindleState { position: [x, y, z], tilt: [about_y, about_z], .. } = ring;
+        let ([x, y, z], [about_y, about_z]) = rings.apart();
         let force = frame.system.operating[0].rings[index].largest_loads.iter().copied().fold(0.0, f64::max);
         let mechanism = bearing.dynamics.mechanism();
         let rest = on_ring(mechanism, mechanism.rotation.speeds(0.0), [x, y, z, about_y, about_z], force)
             .map_err(|source| MachineError::Bearing { bearing: name.clone(), source })?;
         let mut part = vec![0.0; mechanism.layout.dimension()];
-        for (ball, &(axial, radial)) in rest.balls.iter().enumerate() {
+        for (ball, &at_rest) in rest.balls.iter().enumerate() {
+            let (axial, radial) = match &rings.outer {
+                None => at_rest,
+                Some(ring) => carried(ring, mechanism, ball, at_rest),
+            };
             mechanism.layout.set_ball(&mut part, ball, &BallState { axial, radial, ..BallState::default() });
         }
         state.extend_from_slice(&part[..bearing.entries()]);
@@ -42,4 +48,14 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
     state.extend(place);
     state.extend(velocity);
     Ok(state)
+}
+
+/// Axial place and radius less the pitch radius of a ball with these over an outer ring, along the ring's own axis.
+fn carried(ring: &SpindleState, mechanism: &Mechanism, ball: usize, (axial, radial): (f64, f64)) -> (f64, f64) {
+    let radius = mechanism.pitch_radius + radial;
+    let azimuth = Azimuth::new(mechanism.start_azimuth(ball));
+    let [about_y, about_z] = ring.tilt;
+    let place = Tilt::new(about_y, about_z).to_inertial(azimuth.to_inertial([axial, radius, 0.0]));
+    let [x, y, z] = add(place, ring.position);
+    (x, y.hypot(z) - mechanism.pitch_radius)
 }

@@ -24,10 +24,10 @@ const START: usize = 16;
 /// Nodes that the bearings keep, the newest included.
 const BEARING_NODES: usize = 4;
 
-/// Forces on the shaft at one time.
+/// Forces on shaft and housing at one time.
 #[derive(Debug, Clone, Default)]
 struct Forces {
-    /// Of each bearing at its port, one behind the other.
+    /// Of each bearing at its ports, one behind the other.
     ports: Vec<f64>,
     /// All others, over the coordinates.
     rest: Vec<f64>,
@@ -148,12 +148,20 @@ impl<'m> MachineStepper<'m> {
         let size = dynamics.frame.len();
         let (place, velocity) = dynamics.coordinates(state);
         let ring = |(index, part): (usize, &[f64])| {
-            RingStepper::new(&dynamics.bearings[index].dynamics, time, part, dynamics.ring(index, place, velocity))
+            RingStepper::new(
+                &dynamics.bearings[index].dynamics,
+                time,
+                part,
+                dynamics.rings(index, place, velocity).inner,
+            )
         };
         let mut rates = vec![0.0; state.len()];
         let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
-        let on_shaft = dynamics.bearings.iter().zip(&loads.rings).flat_map(|(bearing, load)| bearing.on_shaft(load));
-        let mut forces = Forces { ports: on_shaft.collect(), rest: vec![0.0; size], sum: Vec::new() };
+        let of_rings = || dynamics.bearings.iter().zip(&loads.rings);
+        let on_shaft = of_rings().flat_map(|(bearing, load)| bearing.on_shaft(&load.inner));
+        let moving = of_rings().zip(&dynamics.frame.outer).filter(|(_, outer)| outer.is_some());
+        let on_housing = moving.flat_map(|((bearing, load), _)| bearing.on_shaft(&load.outer));
+        let mut forces = Forces { ports: on_shaft.chain(on_housing).collect(), rest: vec![0.0; size], sum: Vec::new() };
         dynamics.frame.forces(time, dynamics.speed.at(time), place, velocity, &mut forces.rest);
         forces.add_up(dynamics);
         let mut stepper = Self {
@@ -254,22 +262,25 @@ impl<'m> MachineStepper<'m> {
         }
 
         // Bearings at the predicted motion of their rings.
-        let size = PORT * self.bearings.len();
+        let size = PORT * frame.ports.len();
         let mut matrix = vec![0.0; size * size];
         (0..size).for_each(|k| matrix[k * size + k] = 1.0);
         let mut change = vec![0.0; size];
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
-            let ring = dynamics.ring(index, &self.place, &self.velocity);
-            let (load, resistance) = stepper.advance(end, self.step, ring);
+            let rings = dynamics.rings(index, &self.place, &self.velocity);
             let bearing = &dynamics.bearings[index];
-            for (k, force) in bearing.on_shaft(&load).into_iter().enumerate() {
-                change[PORT * index + k] = force - new.ports[PORT * index + k];
+            let [inner, outer] = stepper.advance(end, self.step, rings);
+            let of_outer = frame.outer[index].as_ref().map(|port| (port.port, outer));
+            for (port, (load, resistance)) in [(index, inner)].into_iter().chain(of_outer) {
+                let rows = PORT * port;
+                for (k, force) in bearing.on_shaft(&load).into_iter().enumerate() {
+                    change[rows + k] = force - new.ports[rows + k];
+                }
+                let stiffness = bearing.mounted.along_shaft(&resistance.stiffness);
+                let damping = bearing.mounted.along_shaft(&resistance.damping);
+                add_product(&mut matrix, rows, &stiffness, &formulas.places);
+                add_product(&mut matrix, rows, &damping, &formulas.velocities);
             }
-            let stiffness = bearing.mounted.along_shaft(&resistance.stiffness);
-            let damping = bearing.mounted.along_shaft(&resistance.damping);
-            let rows = PORT * index;
-            add_product(&mut matrix, rows, &stiffness, &formulas.places);
-            add_product(&mut matrix, rows, &damping, &formulas.velocities);
         }
         solve(&mut matrix, &mut change);
         new.ports.iter_mut().zip(&change).for_each(|(force, change)| *force += change);

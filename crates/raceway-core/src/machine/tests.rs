@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::{Machine, MachineBearing, Sensor};
+use super::input::{Machine, MachineBearing, Part, Sensor};
 use super::run::simulate;
 use super::settings::{MachineSettings, RANGE};
 use super::start::start_state;
@@ -19,6 +19,7 @@ use crate::physics::contact::damping::DampingLaw;
 use crate::physics::contact::traction::TractionLaw;
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
+use crate::physics::frame::housing::Housing;
 use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion, SpindleBody};
 use crate::physics::frames::dot;
 use crate::physics::operation::SpeedProfile;
@@ -28,7 +29,8 @@ use crate::physics::spindle::{AxialHold, Spindle, SpindleInertia, SpindleTilt, U
 use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, RigidShaft};
 use crate::rotor::analysis::analyse;
-use crate::rotor::input::{Elements, Request, Rotor, RotorBearing};
+use crate::rotor::input::{Elements, Request, Rotor, RotorBearing, Seat};
+use crate::rotor::result::Mode;
 use crate::simulation::input::channel::{Axis, BallContact, Motion};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
@@ -38,6 +40,7 @@ use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
 
+mod housing;
 mod loads;
 mod power;
 mod warnings;
@@ -56,6 +59,8 @@ fn motor_spindle() -> Machine {
         at: mounted.at,
         mounted: Mounted { at: 0.0, ..mounted },
         damping: scene.raceway_damping.resolve(),
+        on: None,
+        seat: Seat::Rigid,
     });
     Machine {
         rotor: Rotor {
@@ -71,6 +76,7 @@ fn motor_spindle() -> Machine {
             unbalances: vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.3 }],
             supports: Vec::new(),
             bearings: bearings.collect(),
+            housing: Housing::default(),
             speed: 6000.0 * RPM,
             gravity: 9.81,
             load: [0.0, 100.0, 0.0],
@@ -82,7 +88,12 @@ fn motor_spindle() -> Machine {
         speed: SpeedProfile::constant(6000.0 * RPM).unwrap(),
         outer_speed: SpeedProfile::at_rest(),
         sensors: Vec::new(),
+        bodies: Vec::new(),
     }
+}
+
+fn on_shaft(name: &str, at: f64, axis: Axis) -> Sensor {
+    Sensor { name: name.to_owned(), on: Part::Shaft, relative_to: None, at, axis: axis as usize }
 }
 
 fn started(machine: &Machine) -> (MachineDynamics, Vec<f64>) {
@@ -98,8 +109,14 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
     let of_part = |(index, part): (usize, &[f64])| {
         let m = dynamics.bearings[index].dynamics.mechanism();
         let mut loads = Energies { mechanism: m, elastic: 0.0 };
-        let (speed, ring) = (m.rotation.inner.at(0.0).1, dynamics.ring(index, place, velocity));
-        dynamics.bearings[index].dynamics.rates_on_ring(time, part, ring, &mut vec![0.0; part.len()], Some(&mut loads));
+        let (speed, rings) = (m.rotation.inner.at(0.0).1, dynamics.rings(index, place, velocity));
+        dynamics.bearings[index].dynamics.rates_on_ring(
+            time,
+            part,
+            rings,
+            &mut vec![0.0; part.len()],
+            Some(&mut loads),
+        );
         let mut sum = loads.elastic;
         for index in 0..m.layout.balls {
             let ball = m.layout.ball(part, index);
@@ -196,12 +213,8 @@ fn the_shaft_gains_what_the_bearings_lose() {
     assert!(gained.abs() < 1e-8 * exchanged, "{gained:e} of {exchanged:e} W");
 }
 
-/// Natural frequencies of all balls, rings and the shaft about a standing machine without traction are those of the linear analysis, which
-/// takes the bearings by 5 × 5 matrices and their balls without mass, to 0.1 %. Both are means over a ball spacing. Balls have a hundredth of their
-/// mass here; with all of it the axial mode is 0.28 % slower.
-#[test]
-fn slow_vibration_is_that_of_the_linear_analysis() {
-    let mut machine = conservative();
+/// A machine at rest, whose balls have a hundredth of their mass: the linear analysis takes them without mass.
+fn standing(mut machine: Machine) -> Machine {
     machine.rotor.unbalances.clear();
     machine.rotor.speed = 0.0;
     machine.speed = SpeedProfile::constant(0.0).unwrap();
@@ -209,24 +222,41 @@ fn slow_vibration_is_that_of_the_linear_analysis() {
         bearing.scene.bearing.ball_mass *= 0.01;
         bearing.scene.bearing.ball_inertia *= 0.01;
     }
-    let request = Request { elements: Elements::Auto, speeds: vec![0.0], modes: 10 };
+    machine
+}
+
+/// Largest deviation of the natural frequencies of all balls, rings and the shaft, mean over `places` starts of the balls in a ball spacing, from
+/// those of the linear analysis [-].
+fn deviation_of_frequencies(mut machine: Machine, modes: usize, places: usize) -> f64 {
+    let request = Request { elements: Elements::Auto, speeds: vec![0.0], modes, sensors: Vec::new() };
     let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
-    let places: Vec<Vec<f64>> = (0..8)
+    let found: Vec<Vec<f64>> = (0..places)
         .map(|place| {
             for bearing in &mut machine.bearings {
-                bearing.start_azimuth = 2.0 * PI / 9.0 * f64::from(place) / 8.0;
+                bearing.start_azimuth = 2.0 * PI / 9.0 * place as f64 / places as f64;
             }
             let (dynamics, state) = started(&machine);
             natural_frequencies(&dynamics, &state)
         })
         .collect();
-    for mode in &linear.operating_modes {
+    let deviation = |mode: &Mode| {
         let frequency = mode.point.frequency / (2.0 * PI);
         let nearest =
             |found: &Vec<f64>| found.iter().copied().min_by_key(|f| ((f / frequency - 1.0).abs() * 1e9) as u64);
-        let mean = places.iter().filter_map(nearest).sum::<f64>() / 8.0;
-        assert!(frequency > 100.0 && (mean / frequency - 1.0).abs() < 1e-3, "{frequency} Hz: {mean}");
-    }
+        let mean = found.iter().filter_map(nearest).sum::<f64>() / places as f64;
+        println!("{frequency} Hz: {mean}");
+        (mean / frequency - 1.0).abs()
+    };
+    linear.operating_modes.iter().map(deviation).fold(0.0, f64::max)
+}
+
+/// Natural frequencies of all balls, rings and the shaft about a standing machine without traction are those of the linear analysis, which
+/// takes the bearings by 5 × 5 matrices and their balls without mass, to 0.1 %. Both are means over a ball spacing. Balls have a hundredth of their
+/// mass here; with all of it the axial mode is 0.28 % slower.
+#[test]
+fn slow_vibration_is_that_of_the_linear_analysis() {
+    let deviation = deviation_of_frequencies(standing(conservative()), 10, 8);
+    assert!(deviation < 1e-3, "{deviation:e}");
 }
 
 /// The mass of the motor spindle as a rigid body.
@@ -268,7 +298,7 @@ fn a_stiff_shaft_moves_as_a_rigid_spindle() {
     }
     let (upright, state) = started(&rigid(machine, false));
     assert_eq!(upright.frame.len(), 3);
-    assert!(upright.ring(0, upright.coordinates(&state).0, upright.coordinates(&state).1).tilt == [0.0; 2]);
+    assert!(upright.rings(0, upright.coordinates(&state).0, upright.coordinates(&state).1).inner.tilt == [0.0; 2]);
 }
 
 /// The motion of the shaft at each bearing after a time, in steps of a length.
@@ -364,7 +394,7 @@ fn a_very_stiff_shaft_is_a_rigid_spindle() {
     let (place, velocity) = dynamics.coordinates(&state);
     let mut of_spindle = dynamics.parts(&state)[0].to_vec();
     of_spindle.resize(layout.dimension(), 0.0);
-    layout.set_spindle(&mut of_spindle, &dynamics.ring(0, place, velocity));
+    layout.set_spindle(&mut of_spindle, &dynamics.rings(0, place, velocity).inner);
     let time = 2e-3;
     let mut rigid = Method::DormandPrince.start(&model, 0.0, &of_spindle, layout.tolerances(1e-8), None);
     while rigid.time() < time {
@@ -404,10 +434,10 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
 #[test]
 fn a_run_shows_the_response_to_unbalance() {
     let mut machine = motor_spindle();
-    machine.sensors = vec![Sensor { name: "probe".to_owned(), at: 0.15, axis: Axis::Y }];
+    machine.sensors = vec![on_shaft("probe", 0.15, Axis::Y)];
     let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE, series: Vec::new() };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
-    let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4 };
+    let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4, sensors: Vec::new() };
     let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
     let place = linear.stations.iter().find(|station| (station.at - 0.15).abs() < 1e-9).unwrap();
     let amplitude = 1e6 * place.displacement[0][0].norm();

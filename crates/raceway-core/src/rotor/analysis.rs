@@ -8,11 +8,15 @@ use super::deflection::deflection;
 use super::input::{Elements, Request, Rotor, RotorBearing, RotorError};
 use super::operating::wrench;
 use super::response::of_unbalance;
-use super::result::{BearingResult, Critical, ModeCourse, RotorResult, StationResponse, SupportForces};
+use super::result::{
+    BearingResult, BodyResult, Critical, ModeCourse, RotorResult, SensorResult, StationResponse, SupportForces,
+};
+use super::sensor::Sensor;
 use super::shape::{displacements, mode, point};
 use super::system::{Port, System};
+use crate::physics::frame::housing::Body;
 use crate::physics::frame::mesh::Mesh;
-use crate::physics::frame::support::{PortMatrix, Support};
+use crate::physics::frame::support::PortMatrix;
 
 /// Change of a kept frequency, by halving the elements, below which a mesh is fine enough [-].
 const CONVERGED: f64 = 1e-4;
@@ -53,6 +57,7 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         request.speeds.iter().map(|speed| of_unbalance(&system, &rotor.unbalances, *speed)).collect();
     let rest = deflection(&operating_system, rotor)?;
     let whole = displacements(&rest.map(Complex::from), coordinates);
+    let forces = forces([&operating_system, &system], rotor, &rest, &request.speeds, &responses);
     Ok(RotorResult {
         mass: rotor.shaft.mass(),
         mass_centre: rotor.shaft.mass_centre(),
@@ -63,7 +68,10 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         growth_rate: operating_system.growth_rate(rotor.speed)?,
         criticals: criticals.collect(),
         stations: rotor.places().into_iter().map(|at| of_station(&system, at, &responses)).collect(),
-        supports: support_forces([&operating_system, &system], rotor, &rest, &request.speeds, &responses),
+        supports: forces.supports,
+        mounts: forces.mounts,
+        bodies: bodies(&system, rotor, &rest, &responses),
+        sensors: request.sensors.iter().map(|sensor| of_sensor(&system, sensor, &rest, &responses)).collect(),
         bearings: bearings([&operating_system, &system], rotor, &request.speeds),
         deflection: whole.into_iter().map(|node| node.map(|value| value.re)).collect(),
     })
@@ -124,14 +132,47 @@ fn displacement(system: &System, at: f64, response: &DVector<Complex<f64>>) -> [
     [port[1], port[2]]
 }
 
-/// Forces of the shaft on each support and bearing. Systems: about the operating point, and over the speeds.
-fn support_forces(
+/// Static displacements of the bodies, and their responses.
+fn bodies(system: &System, rotor: &Rotor, rest: &DVector<f64>, responses: &[DVector<Complex<f64>>]) -> Vec<BodyResult> {
+    let of_body = |(index, body): (usize, &Body)| {
+        let rows = system.coordinates.housing.body(Some(index), body.at);
+        let at_rest = &rows * rest;
+        let rows = rows.map(Complex::from);
+        let response = responses.iter().map(|response| {
+            let moved = &rows * response;
+            [0, 1, 2].map(|axis| moved[axis])
+        });
+        BodyResult { at_rest: std::array::from_fn(|axis| at_rest[axis]), response: response.collect() }
+    };
+    rotor.housing.bodies.iter().enumerate().map(of_body).collect()
+}
+
+/// Static displacement of a sensor, and its response.
+fn of_sensor(
+    system: &System,
+    sensor: &Sensor,
+    rest: &DVector<f64>,
+    responses: &[DVector<Complex<f64>>],
+) -> SensorResult {
+    let row = system.coordinates.reading(sensor);
+    let moved = |response: &DVector<Complex<f64>>| response.iter().zip(&row).map(|(value, by)| value * *by).sum();
+    SensorResult { at_rest: row.dot(rest), response: responses.iter().map(moved).collect() }
+}
+
+/// Forces of springs and bearings.
+struct Forces {
+    supports: Vec<SupportForces>,
+    mounts: Vec<SupportForces>,
+}
+
+/// Forces of the shaft on each support and bearing, and of bodies on their mounts. Systems: about the operating point, and over the speeds.
+fn forces(
     [operating, system]: [&System; 2],
     rotor: &Rotor,
     rest: &DVector<f64>,
     speeds: &[f64],
     responses: &[DVector<Complex<f64>>],
-) -> Vec<SupportForces> {
+) -> Forces {
     let dynamic = |port: &Port| {
         let at = |(response, speed): (&DVector<Complex<f64>>, &f64)| {
             let (stiffness, damping) = system.of_port(port, *speed);
@@ -141,19 +182,24 @@ fn support_forces(
         };
         responses.iter().zip(speeds).map(at).collect()
     };
-    let of_support = |(index, support): (usize, &Support)| {
-        let port = &operating.ports[index];
+    let of_spring = |(index, at): (usize, f64)| {
+        let port = &operating.springs[index];
         let at_rest = operating.of_port(port, rotor.speed).0 * (&port.rows * rest);
         let at_rest = std::array::from_fn(|axis| at_rest[axis]);
-        SupportForces { at: support.at, at_rest, dynamic: dynamic(&system.ports[index]) }
+        SupportForces { at, at_rest, dynamic: dynamic(&system.springs[index]) }
     };
     let of_bearing = |(index, bearing): (usize, &RotorBearing)| {
         let ring = &operating.operating[0].rings[index];
         let at_rest = wrench(bearing, ring).map(|force| -force);
-        SupportForces { at: bearing.at, at_rest, dynamic: dynamic(&system.ports[rotor.supports.len() + index]) }
+        SupportForces { at: bearing.at, at_rest, dynamic: dynamic(&system.bearings[index]) }
     };
-    let supports = rotor.supports.iter().enumerate().map(of_support);
-    supports.chain(rotor.bearings.iter().enumerate().map(of_bearing)).collect()
+    let supports = rotor.supports.iter().map(|support| support.at).enumerate().map(of_spring);
+    let mounts = rotor.housing.mounts.iter().map(|mount| mount.at);
+    let mounts = mounts.enumerate().map(|(index, at)| of_spring((rotor.supports.len() + index, at)));
+    Forces {
+        supports: supports.chain(rotor.bearings.iter().enumerate().map(of_bearing)).collect(),
+        mounts: mounts.collect(),
+    }
 }
 
 /// The bearings about the operating point, and their matrices over the speeds.
@@ -166,7 +212,7 @@ fn bearings([operating, system]: [&System; 2], rotor: &Rotor, speeds: &[f64]) ->
         let by = |choose: fn(f64, f64) -> f64| {
             std::array::from_fn(|row| std::array::from_fn(|column| choose(one[row][column], other[row][column])))
         };
-        let port = &system.ports[rotor.supports.len() + index];
+        let port = &system.bearings[index];
         BearingResult {
             at: bearing.at,
             pose: ring.pose,

@@ -1,15 +1,18 @@
-//! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes.
+//! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes, and the rigid motions of its housing.
 
 use nalgebra::{DMatrix, DVector};
 
+use super::housing::HousingCoordinates;
 use super::input::{PlacedLoad, Rotor, RotorError};
+use super::sensor::{Part, Sensor};
 use crate::physics::frame::mesh::{Matrices, Mesh};
 use crate::physics::frame::modes::FreeModes;
 use crate::physics::frame::shaft::ShaftMotion;
 use crate::physics::frame::support::{PORT, PortMatrix};
 use crate::physics::loads::LoadDirection;
 
-/// The shaft over its coordinates: first those along X, then those in the plane of Y, then the same in that of Z. The mass is 1.
+/// The coordinates: first those of the shaft along X, then those in the plane of Y, then the same in that of Z, then those of the housing.
+/// The mass is 1.
 #[derive(Debug, Clone)]
 pub struct Coordinates {
     pub mesh: Mesh,
@@ -18,6 +21,7 @@ pub struct Coordinates {
     is_rigid: bool,
     /// Polar inertia over the shapes of a plane.
     pub polar: DMatrix<f64>,
+    pub housing: HousingCoordinates,
 }
 
 impl Coordinates {
@@ -45,11 +49,28 @@ impl Coordinates {
             across
         })?;
         let polar = bending.projected(&mesh.polar);
-        Ok(Self { mesh, axial, bending, is_rigid, polar })
+        let of_shaft = axial.as_ref().map_or(0, FreeModes::len) + 2 * bending.len();
+        Ok(Self { mesh, axial, bending, is_rigid, polar, housing: HousingCoordinates::of(rotor, of_shaft) })
     }
 
     pub fn len(&self) -> usize {
+        self.housing.end()
+    }
+
+    /// Number of coordinates of the shaft.
+    fn of_shaft(&self) -> usize {
         self.axials() + 2 * self.laterals()
+    }
+
+    /// Coordinates of motions along X.
+    pub fn axial(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.axials()).chain(self.housing.axial())
+    }
+
+    /// Coordinates of the same motion in the planes of Y and of Z.
+    pub fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let (y, z) = (self.axials(), self.axials() + self.laterals());
+        (0..self.laterals()).map(move |k| (y + k, z + k)).chain(self.housing.pairs())
     }
 
     /// Number of coordinates along X.
@@ -62,10 +83,11 @@ impl Coordinates {
         self.bending.len()
     }
 
-    /// Stiffness, which is diagonal [1/s²].
+    /// Stiffness of the shaft alone, which is diagonal [1/s²].
     pub fn squares(&self) -> impl Iterator<Item = f64> {
         let axial = self.axial.iter().flat_map(|modes| &modes.squares);
-        axial.chain(&self.bending.squares).chain(&self.bending.squares).map(|square| square.max(0.0))
+        let of_shaft = axial.chain(&self.bending.squares).chain(&self.bending.squares).map(|square| square.max(0.0));
+        of_shaft.chain((self.of_shaft()..self.len()).map(|_| 0.0))
     }
 
     /// Angular frequency of the highest true mode in a plane [rad/s]; infinite where every mode is kept, as of a rigid spindle.
@@ -110,7 +132,24 @@ impl Coordinates {
         slopes.fold((0.0, 0.0), |most, slope| if slope.0 > most.0 { slope } else { most })
     }
 
-    /// Forces on the coordinates of the weight along Y [N]. The first shape of a plane, its translation, takes all of it: the
+    /// Reading of a sensor by each coordinate [m].
+    pub fn reading(&self, sensor: &Sensor) -> DVector<f64> {
+        let of = |part: Part| match part {
+            // Forces and displacements of a place are the same shares of the coordinates.
+            Part::Shaft => {
+                let mut unit = [0.0; 3];
+                unit[sensor.axis] = 1.0;
+                DVector::from_vec(self.force(sensor.at, unit))
+            }
+            Part::Body(body) => self.housing.body(Some(body), sensor.at).row(sensor.axis).transpose(),
+        };
+        match sensor.relative_to {
+            None => of(sensor.on),
+            Some(other) => of(sensor.on) - of(other),
+        }
+    }
+
+    /// Forces on the coordinates of the weight of the shaft along Y [N]. The first shape of a plane, its translation, takes all of it: the
     /// others are orthogonal to a translation in the mass.
     pub fn weight(&self, weight: f64) -> Vec<f64> {
         let mut forces = vec![0.0; self.len()];
@@ -125,6 +164,7 @@ impl Coordinates {
         let mut forces: Vec<f64> = along.map(|share| share * force[0]).collect();
         forces.extend(across.iter().map(|share| share * force[1]));
         forces.extend(across.iter().map(|share| share * force[2]));
+        forces.resize(self.len(), 0.0);
         forces
     }
 }

@@ -1,20 +1,18 @@
 //! Input of a rotor analysis.
 
-use nalgebra::DMatrix;
-
+use super::sensor::Sensor;
 use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
+use crate::physics::frame::housing::Housing;
 use crate::physics::frame::shaft::Shaft;
-use crate::physics::frame::support::{PORT, Support};
+use crate::physics::frame::support::{PortMatrix, Support};
 use crate::physics::kinematics::RingSpeeds;
 use crate::physics::loads::{Load, SpindleLoad, start_and_largest_change};
 use crate::physics::statics::ring::NoBalance;
-use crate::physics::statics::shaft::Mounted;
+use crate::physics::statics::shaft::{Mounted, Spring};
 
 /// Largest slope of the shaft under its loads [rad]: its sine is smaller by 0.2 %.
 pub(super) const MOST_SLOPE: f64 = 0.1;
-/// Smallest stiffness of a rigid motion that holds it, relative to the largest [-]: below it, rounding decides.
-const LEAST_STIFFNESS: f64 = 1e-12;
 
 /// A ball bearing on a shaft.
 #[derive(Debug, Clone)]
@@ -25,6 +23,39 @@ pub struct RotorBearing {
     pub mounted: Mounted,
     /// Damping of its contacts.
     pub damping: DampingFactor,
+    /// Number of the housing body that holds its outer ring; `None`: the ground.
+    pub on: Option<usize>,
+    pub seat: Seat,
+}
+
+impl RotorBearing {
+    /// Returns true where the outer ring is not held by the ground alone.
+    pub fn moves_outer_ring(&self) -> bool {
+        self.on.is_some() || self.seat != Seat::Rigid
+    }
+}
+
+/// Seat of an outer ring in its body or in the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Seat {
+    /// The ring moves with its body, whose mass contains it.
+    Rigid,
+    /// The ring is a body of its own on a spring and a dashpot. Mass [kg] and inertia about a diameter [kg m²].
+    Elastic { mass: f64, inertia: f64, stiffness: PortMatrix, damping: PortMatrix },
+    /// The ring slides along X on a spring that loads its balls, with its mass [kg] and damping [N s/m]; it moves with its body otherwise.
+    Sliding { mass: f64, spring: Spring, damping: f64 },
+}
+
+impl RotorBearing {
+    /// Place of its outer ring along the shaft [m].
+    pub fn outer_ring(&self) -> f64 {
+        self.at + self.mounted.outer[0]
+    }
+
+    /// Whether its outer ring moves.
+    pub fn has_moving_outer_ring(&self) -> bool {
+        self.on.is_some() || self.seat != Seat::Rigid
+    }
 }
 
 /// A load on a place of the shaft [m].
@@ -41,13 +72,14 @@ impl PlacedLoad {
     }
 }
 
-/// A shaft on linear supports and ball bearings.
+/// A shaft on linear supports and ball bearings, which stand in a housing or on the ground.
 #[derive(Debug, Clone)]
 pub struct Rotor {
     pub shaft: Shaft,
     pub unbalances: Vec<UnbalancePlane>,
     pub supports: Vec<Support>,
     pub bearings: Vec<RotorBearing>,
+    pub housing: Housing,
     /// Operating speed [rad/s].
     pub speed: f64,
     /// Acceleration along +Y [m/s²].
@@ -59,6 +91,11 @@ pub struct Rotor {
 }
 
 impl Rotor {
+    /// Whether something beside the shaft moves.
+    pub fn has_moving_housing(&self) -> bool {
+        !self.housing.bodies.is_empty() || self.bearings.iter().any(RotorBearing::has_moving_outer_ring)
+    }
+
     /// Places of the shaft at which something acts, rising [m].
     pub fn places(&self) -> Vec<f64> {
         let discs = self.shaft.discs.iter().map(|disc| disc.at);
@@ -77,26 +114,6 @@ impl Rotor {
         }
         self
     }
-
-    /// Whether the supports' springs hold every rigid motion of the shaft. Bearings are left out.
-    pub fn is_restrained(&self) -> bool {
-        let (length, centre) = (self.shaft.length(), self.shaft.mass_centre());
-        let size = if self.shaft.is_axially_free { PORT } else { PORT - 1 };
-        let mut stiffness = DMatrix::<f64>::zeros(PORT, PORT);
-        for support in &self.supports {
-            // Displacements of the support from those of the mass centre; tilts times the length are displacements.
-            let arm = (support.at - centre) / length;
-            let mut rows = DMatrix::<f64>::identity(PORT, PORT);
-            (rows[(1, 4)], rows[(2, 3)]) = (arm, -arm);
-            (rows[(3, 3)], rows[(4, 4)]) = (1.0 / length, 1.0 / length);
-            let of_port = DMatrix::from_fn(PORT, PORT, |row, column| support.stiffness[row][column]);
-            stiffness += rows.transpose() * of_port * rows;
-        }
-        let symmetric = 0.5 * (&stiffness + stiffness.transpose());
-        let held = symmetric.view((PORT - size, PORT - size), (size, size)).into_owned();
-        let least = held.clone().symmetric_eigenvalues().min();
-        least > LEAST_STIFFNESS * held.amax()
-    }
 }
 
 /// Places in rising order, each once.
@@ -107,22 +124,24 @@ pub(crate) fn rising(mut places: Vec<f64>) -> Vec<f64> {
 }
 
 /// Elements of the shaft.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Elements {
     /// Refined until the kept frequencies have converged.
+    #[default]
     Auto,
     /// One for each section, divided only where something acts on the shaft.
     Sections,
 }
 
 /// Quantities and resolution of an analysis.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
     pub elements: Elements,
     /// Speeds, rising, none negative [rad/s].
     pub speeds: Vec<f64>,
     /// Number of natural frequencies.
     pub modes: usize,
+    pub sensors: Vec<Sensor>,
 }
 
 /// Reason why there is no result.

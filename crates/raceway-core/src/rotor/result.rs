@@ -24,6 +24,10 @@ pub struct RotorResult {
     pub stations: Vec<StationResponse>,
     /// Forces of the linear supports, then of the bearings.
     pub supports: Vec<SupportForces>,
+    /// Forces of the bodies on their mounts.
+    pub mounts: Vec<SupportForces>,
+    pub bodies: Vec<BodyResult>,
+    pub sensors: Vec<SensorResult>,
     pub bearings: Vec<BearingResult>,
     /// Static displacement x, y, z of each node at the operating speed [m].
     pub deflection: Vec<[f64; 3]>,
@@ -67,6 +71,8 @@ pub struct Mode {
     pub point: ModePoint,
     /// Displacements x, y, z of each node, real part times e^(λt); the largest has magnitude 1 and phase 0.
     pub shape: Vec<[Complex<f64>; 3]>,
+    /// Displacements x, y, z, β_y, β_z of the mass centre of each body by the same motion [-, rad/m].
+    pub bodies: Vec<[Complex<f64>; PORT]>,
 }
 
 /// A speed that equals a damped natural frequency.
@@ -86,6 +92,24 @@ pub struct StationResponse {
     pub at: f64,
     /// Displacements y and z: real part times e^(iΩt) [m].
     pub displacement: Vec<[Complex<f64>; 2]>,
+}
+
+/// A housing body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyResult {
+    /// Static displacement x, y, z [m] and tilt about y and z [rad] at the operating speed.
+    pub at_rest: [f64; PORT],
+    /// Displacements x, y and z of its mass centre by unbalance for each requested speed: real part times e^(iΩt) [m].
+    pub response: Vec<[Complex<f64>; 3]>,
+}
+
+/// A sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorResult {
+    /// Static displacement at the operating speed [m].
+    pub at_rest: f64,
+    /// Displacement by unbalance for each requested speed: real part times e^(iΩt) [m].
+    pub response: Vec<Complex<f64>>,
 }
 
 /// Forces of the shaft on a support.

@@ -11,14 +11,13 @@ use crate::numerics::quadratic_eigen::Oscillation;
 /// A motion y + i z = F e^(iωt) + B e^(−iωt) has F = (Y + i Z)/2 and B = (Y* + i Z*)/2. The mass is 1 over the coordinates, so that
 /// sums of their squares are kinetic energies.
 pub fn point(oscillation: &Oscillation, coordinates: &Coordinates, speed: f64) -> ModePoint {
-    let (y, z) = (coordinates.axials(), coordinates.axials() + coordinates.laterals());
     let vector = &oscillation.vector;
     let turned = Complex::i();
     let energy = |sign: f64| -> f64 {
-        (0..coordinates.laterals()).map(|k| (vector[y + k] + turned * sign * vector[z + k]).norm_sqr() / 2.0).sum()
+        coordinates.pairs().map(|(y, z)| (vector[y] + turned * sign * vector[z]).norm_sqr() / 2.0).sum()
     };
     let (forward, backward) = (energy(1.0), energy(-1.0));
-    let axial: f64 = vector.rows(0, y).norm_squared();
+    let axial: f64 = coordinates.axial().map(|x| vector[x].norm_sqr()).sum();
     let lateral = forward + backward;
     let forward_share = if lateral > 0.0 { forward / lateral } else { 0.5 };
     let direction = match () {
@@ -32,14 +31,17 @@ pub fn point(oscillation: &Oscillation, coordinates: &Coordinates, speed: f64) -
     ModePoint { frequency: value.im, damping_ratio: -value.re / value.norm(), direction, forward_share }
 }
 
-/// The oscillation with the displacements of every node.
+/// The oscillation with the displacements of every node and body.
 pub fn mode(oscillation: &Oscillation, coordinates: &Coordinates, speed: f64) -> Mode {
     let mut shape = displacements(&oscillation.vector, coordinates);
-    let largest = shape.iter().flatten().copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+    let mut bodies = coordinates.housing.displacements(&oscillation.vector);
+    let moved = shape.iter().flatten().chain(bodies.iter().flat_map(|body| &body[..3]));
+    let largest = moved.copied().max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
     if let Some(largest) = largest.filter(|value| *value != Complex::ZERO) {
-        shape.iter_mut().flatten().for_each(|value| *value /= largest);
+        let all = shape.iter_mut().flatten().chain(bodies.iter_mut().flatten());
+        all.for_each(|value| *value /= largest);
     }
-    Mode { point: point(oscillation, coordinates, speed), shape }
+    Mode { point: point(oscillation, coordinates, speed), shape, bodies }
 }
 
 /// Displacements x, y, z of every node.

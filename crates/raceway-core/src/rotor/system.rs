@@ -3,18 +3,24 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::coordinates::Coordinates;
-use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorError};
+use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorBearing, RotorError};
 use super::operating::{OperatingPoint, in_nalgebra, operating_point};
 use super::potential::Frame;
+use super::springs::{between_rings, springs};
 use crate::numerics::quadratic_eigen::{Oscillation, growth_rate, oscillations};
 use crate::physics::frame::mesh::Mesh;
 
-/// q̈ + C(Ω) q̇ + K(Ω) q = f over the coordinates of the shaft.
+/// q̈ + C(Ω) q̇ + K(Ω) q = f over the coordinates of shaft and housing.
 #[derive(Debug, Clone)]
 pub struct System {
     pub coordinates: Coordinates,
-    /// Linear supports, then bearings.
-    pub ports: Vec<Port>,
+    /// Supports, mounts and seats, each in the order of the input.
+    pub springs: Vec<Port>,
+    pub bearings: Vec<Port>,
+    /// Stiffness and damping without bearings and without the factors of the speed.
+    pub linear: [DMatrix<f64>; 2],
+    /// Forces of springs that push.
+    push: DVector<f64>,
     /// Equilibrium at each of `speeds`; none without bearings.
     pub operating: Vec<OperatingPoint>,
     /// Speeds of the matrices, rising [rad/s]; one where nothing depends on speed.
@@ -26,7 +32,7 @@ pub struct System {
     rotating: DMatrix<f64>,
 }
 
-/// A support or bearing, and the displacements of its place.
+/// A spring or a bearing, and the displacements of its one place from the other.
 #[derive(Debug, Clone)]
 pub struct Port {
     pub rows: DMatrix<f64>,
@@ -54,8 +60,34 @@ impl System {
         let turning = own_damping.rows(y, count) * rotor.shaft.rotating_share;
         let rotating = antisymmetric(&DMatrix::from_diagonal(&turning));
         let speeds = if rotor.bearings.is_empty() { vec![0.0] } else { speeds.to_vec() };
+        let shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
+        let mut stiffness = DMatrix::from_diagonal(&squares);
+        let mut damping = DMatrix::from_diagonal(&own_damping);
+        let mut push = DVector::zeros(size);
+        let mut linear = Vec::new();
+        for spring in springs(rotor, shaft, &coordinates.housing) {
+            if spring.push != 0.0 {
+                push += spring.rows.row(0).transpose() * spring.push;
+            }
+            let port = Port {
+                rows: spring.rows,
+                stiffness: vec![in_nalgebra(&spring.stiffness)],
+                damping: vec![in_nalgebra(&spring.damping)],
+            };
+            stiffness += port.over_coordinates(&port.stiffness[0]);
+            damping += port.over_coordinates(&port.damping[0]);
+            linear.push(port);
+        }
+        let bearings = (0..rotor.bearings.len()).map(|index| Port {
+            rows: between_rings(rotor, index, shaft, &coordinates.housing, 0.0),
+            stiffness: Vec::new(),
+            damping: Vec::new(),
+        });
         let mut system = Self {
-            ports: ports(rotor, &coordinates),
+            springs: linear,
+            bearings: bearings.collect(),
+            linear: [stiffness, damping],
+            push,
             coordinates,
             operating: Vec::new(),
             speeds,
@@ -64,30 +96,37 @@ impl System {
             gyroscopic,
             rotating,
         };
-        let mut stiffness = DMatrix::from_diagonal(&squares);
-        let mut damping = DMatrix::from_diagonal(&own_damping);
-        for port in &system.ports[..rotor.supports.len()] {
-            stiffness += port.over_coordinates(&port.stiffness[0]);
-            damping += port.over_coordinates(&port.damping[0]);
+        system.add_bearings(rotor)?;
+        if rotor.bearings.iter().any(RotorBearing::has_moving_outer_ring) {
+            system.follow_inner_rings(rotor)?;
         }
-        system.add_bearings(rotor, stiffness, damping)?;
         Ok(system)
     }
 
+    /// Carries outer rings to the places of their inner rings at the first equilibrium: a preload moves these along the axis, and the lever of a body
+    /// that tilts with them.
+    fn follow_inner_rings(&mut self, rotor: &Rotor) -> Result<(), RotorError> {
+        let rest = &self.operating[0].coordinates;
+        let (coordinates, housing) = (&self.coordinates, &self.coordinates.housing);
+        let shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
+        let rows = rotor.bearings.iter().enumerate().map(|(index, bearing)| {
+            let slipped = housing.slipped(index, &shaft(bearing.at), rest);
+            between_rings(rotor, index, shaft, housing, slipped)
+        });
+        self.bearings = rows.map(|rows| Port { rows, stiffness: Vec::new(), damping: Vec::new() }).collect();
+        (self.stiffness, self.damping, self.operating) = (Vec::new(), Vec::new(), Vec::new());
+        self.add_bearings(rotor)
+    }
+
     /// Finds the equilibrium at each speed and adds the matrices of the bearings there.
-    fn add_bearings(
-        &mut self,
-        rotor: &Rotor,
-        stiffness: DMatrix<f64>,
-        damping: DMatrix<f64>,
-    ) -> Result<(), RotorError> {
+    fn add_bearings(&mut self, rotor: &Rotor) -> Result<(), RotorError> {
+        let [stiffness, damping] = self.linear.clone();
         if rotor.bearings.is_empty() {
             (self.stiffness, self.damping) = (vec![stiffness], vec![damping]);
             return Ok(());
         }
         let load = self.load(rotor);
-        let first = rotor.supports.len();
-        let rows: Vec<DMatrix<f64>> = self.ports[first..].iter().map(|port| port.rows.clone()).collect();
+        let rows: Vec<DMatrix<f64>> = self.bearings.iter().map(|port| port.rows.clone()).collect();
         for speed in self.speeds.clone() {
             let held = &stiffness + &self.rotating * speed;
             let frame = Frame { stiffness: &held, load: &load, ports: &rows };
@@ -97,7 +136,7 @@ impl System {
                 return Err(RotorError::NoEquilibrium { speed, cause: NoEquilibrium::Leans { at, slope } });
             }
             let (mut whole_stiffness, mut whole_damping) = (stiffness.clone(), damping.clone());
-            for ((port, bearing), ring) in self.ports[first..].iter_mut().zip(&rotor.bearings).zip(&point.rings) {
+            for ((port, bearing), ring) in self.bearings.iter_mut().zip(&rotor.bearings).zip(&point.rings) {
                 let (k, c) = (ring.stiffness.mean, ring.damping(&bearing.damping));
                 port.stiffness.push(in_nalgebra(&bearing.mounted.along_shaft(&k)));
                 port.damping.push(in_nalgebra(&bearing.mounted.along_shaft(&c)));
@@ -111,7 +150,7 @@ impl System {
         Ok(())
     }
 
-    /// Weight and loads at the start over the coordinates.
+    /// Weight, loads at the start and pushing springs over the coordinates.
     pub fn load(&self, rotor: &Rotor) -> DVector<f64> {
         let weight = self.coordinates.weight(rotor.shaft.mass() * rotor.gravity);
         let load = self.coordinates.force(rotor.shaft.mass_centre(), rotor.load);
@@ -120,6 +159,12 @@ impl System {
         for load in &rotor.loads {
             let port = self.coordinates.port(self.coordinates.mesh.node(load.at));
             sum += port.transpose() * DVector::from_row_slice(&load.start_and_largest_change().0);
+        }
+        for (coordinate, weight) in self.coordinates.housing.weights() {
+            sum[coordinate] += weight * rotor.gravity;
+        }
+        if self.push != DVector::zeros(sum.len()) {
+            sum += &self.push;
         }
         sum
     }
@@ -133,7 +178,7 @@ impl System {
         (stiffness + &self.rotating * speed, damping + &self.gyroscopic * speed)
     }
 
-    /// Stiffness and damping of a support or bearing at a speed [rad/s].
+    /// Stiffness and damping of a spring or bearing at a speed [rad/s].
     pub fn of_port(&self, port: &Port, speed: f64) -> (DMatrix<f64>, DMatrix<f64>) {
         (self.at(&port.stiffness, speed), self.at(&port.damping, speed))
     }
@@ -194,18 +239,4 @@ impl Port {
     fn over_coordinates(&self, matrix: &DMatrix<f64>) -> DMatrix<f64> {
         self.rows.transpose() * matrix * &self.rows
     }
-}
-
-/// Supports with their matrices, then bearings without.
-fn ports(rotor: &Rotor, coordinates: &Coordinates) -> Vec<Port> {
-    let rows = |place: f64| coordinates.port(coordinates.mesh.node(place));
-    let supports = rotor.supports.iter().map(|support| Port {
-        rows: rows(support.at),
-        stiffness: vec![in_nalgebra(&support.stiffness)],
-        damping: vec![in_nalgebra(&support.damping)],
-    });
-    let bearings = rotor.bearings.iter();
-    supports
-        .chain(bearings.map(|bearing| Port { rows: rows(bearing.at), stiffness: Vec::new(), damping: Vec::new() }))
-        .collect()
 }

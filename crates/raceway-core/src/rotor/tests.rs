@@ -8,9 +8,12 @@ use super::input::{Elements, Request, Rotor};
 use super::result::{Direction, RotorResult};
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
+use crate::physics::frame::housing::Housing;
 use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion};
 use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::material::Material;
+
+mod housing;
 
 /// G = E / (2 (1 + ν)) = 81.2 GPa.
 const STEEL: Material = Material { elastic_modulus: 211e9, poisson_ratio: 211.0 / (2.0 * 81.2) - 1.0, density: 7810.0 };
@@ -41,6 +44,7 @@ fn rotor(shaft: Shaft, supports: Vec<Support>) -> Rotor {
         unbalances: Vec::new(),
         supports,
         bearings: Vec::new(),
+        housing: Housing::default(),
         speed: 0.0,
         gravity: 9.81,
         load: [0.0; 3],
@@ -52,17 +56,18 @@ fn rotor(shaft: Shaft, supports: Vec<Support>) -> Rotor {
 fn support(at: f64, stiffness: [f64; 2], damping: f64) -> Support {
     Support {
         at,
+        on: None,
         stiffness: diagonal([0.0, stiffness[0], stiffness[1], 0.0, 0.0]),
         damping: diagonal([0.0, damping, damping, 0.0, 0.0]),
     }
 }
 
 fn clamp(at: f64) -> Support {
-    Support { at, stiffness: diagonal([0.0, 1e13, 1e13, 1e11, 1e11]), damping: diagonal([0.0; 5]) }
+    Support { at, on: None, stiffness: diagonal([0.0, 1e13, 1e13, 1e11, 1e11]), damping: diagonal([0.0; 5]) }
 }
 
 fn analysed(rotor: &Rotor, elements: Elements, speeds: Vec<f64>, modes: usize) -> RotorResult {
-    analyse(rotor, &Request { elements, speeds, modes }, &|| false).unwrap()
+    analyse(rotor, &Request { elements, speeds, modes, sensors: Vec::new() }, &|| false).unwrap()
 }
 
 /// Damped angular frequencies at a speed of the list [rad/s].

@@ -30,11 +30,12 @@ fn oscillator(ratio: f64) -> Machine {
     rotor.supports = [0.0, 0.3]
         .map(|at| Support {
             at,
+            on: None,
             stiffness: diagonal([0.0, stiffness, stiffness, 0.0, 0.0]),
             damping: diagonal([0.0, damping, damping, 0.0, 0.0]),
         })
         .to_vec();
-    machine.sensors = vec![Sensor { name: "disc".to_owned(), at: 0.15, axis: Axis::Y }];
+    machine.sensors = vec![on_shaft("disc", 0.15, Axis::Y)];
     turning(machine, vec![(0.0, 0.0)])
 }
 
@@ -84,10 +85,11 @@ fn a_constant_load_gives_the_static_deflection() {
             .map(|(at, direction, load)| PlacedLoad { at, load: Load::Along(direction, LoadCourse::Constant(load)) })
             .to_vec();
     machine.sensors =
-        [(0.1, Axis::Y), (0.29, Axis::Z)].map(|(at, axis)| Sensor { name: format!("{axis}"), at, axis }).to_vec();
+        [(0.1, Axis::Y), (0.29, Axis::Z)].map(|(at, axis)| on_shaft(&format!("{axis}"), at, axis)).to_vec();
     let settings = MachineSettings { settle: Some(0.05), duration: 0.02, step: None, range: RANGE, series: Vec::new() };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
-    let request = Request { elements: Elements::Auto, speeds: vec![machine.rotor.speed], modes: 4 };
+    let request =
+        Request { elements: Elements::Auto, speeds: vec![machine.rotor.speed], modes: 4, sensors: Vec::new() };
     let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
     for (sensor, axis) in [(0, 1), (1, 2)] {
         let node = linear.nodes.iter().position(|node| (node - machine.sensors[sensor].at).abs() < 1e-9).unwrap();

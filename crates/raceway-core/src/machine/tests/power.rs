@@ -70,9 +70,10 @@ fn add_bearing(
     (place, velocity): (&[f64], &[f64]),
 ) {
     let full = &dynamics.bearings[index].dynamics;
-    let (m, ring) = (full.mechanism(), dynamics.ring(index, place, velocity));
+    let (m, rings) = (full.mechanism(), dynamics.rings(index, place, velocity));
+    let ring = rings.inner;
     let mut contacts = Contacts::default();
-    full.rates_on_ring(0.0, part, ring, &mut vec![0.0; part.len()], Some(&mut contacts));
+    full.rates_on_ring(0.0, part, rings, &mut vec![0.0; part.len()], Some(&mut contacts));
     let ideal = m.rotations(0.0);
     let [axis, _, z] = Tilt::new(ring.tilt[0], ring.tilt[1]).columns;
     let tilting = add([0.0, ring.tilt_rate[0], 0.0], scale(ring.tilt_rate[1], z));

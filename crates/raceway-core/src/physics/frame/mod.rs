@@ -11,4 +11,5 @@ pub mod shaft;
 pub mod mesh;
 pub mod modes;
 
+pub mod housing;
 pub mod support;

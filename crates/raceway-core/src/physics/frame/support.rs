@@ -1,4 +1,4 @@
-//! Linear supports: a spring and a dashpot between the shaft and the ground, over five displacements.
+//! Linear supports: a spring and a dashpot between the shaft and the ground or a body, over five displacements.
 
 /// Number of displacements of a port: x, y, z, β_y, β_z.
 pub const PORT: usize = 5;
@@ -11,6 +11,8 @@ pub type PortMatrix = [[f64; PORT]; PORT];
 pub struct Support {
     /// Place along the shaft [m].
     pub at: f64,
+    /// Number of the housing body that holds it; `None`: the ground.
+    pub on: Option<usize>,
     pub stiffness: PortMatrix,
     pub damping: PortMatrix,
 }

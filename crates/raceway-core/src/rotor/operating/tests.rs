@@ -8,6 +8,7 @@ use crate::physics::contact::damping::DampingFactor;
 use crate::physics::contact::hertz::raceway_contacts;
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::Disc;
+use crate::physics::frame::housing::Housing;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion};
 use crate::physics::frame::support::{Support, diagonal};
@@ -15,7 +16,7 @@ use crate::physics::material::Material;
 use crate::physics::presets;
 use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted};
-use crate::rotor::input::{NoEquilibrium, Rotor, RotorBearing, RotorError};
+use crate::rotor::input::{NoEquilibrium, Rotor, RotorBearing, RotorError, Seat};
 use crate::rotor::system::System;
 use crate::simulation::input::scene::Scene;
 
@@ -37,6 +38,8 @@ fn mounted(bearing: &Bearing, at: f64, faces: Faces) -> RotorBearing {
         at,
         mounted: Mounted::new(RingBearing::new(bearing), 0.0, faces),
         damping: DampingFactor { chi: 1.0, viscous: 0.0 },
+        on: None,
+        seat: Seat::Rigid,
     }
 }
 
@@ -56,6 +59,7 @@ fn bar(length: f64, diameter: f64, bearings: Vec<RotorBearing>) -> Rotor {
         loads: Vec::new(),
         supports: Vec::new(),
         bearings,
+        housing: Housing::default(),
         speed: 0.0,
         gravity: 9.81,
         load: [0.0; 3],
@@ -176,7 +180,7 @@ fn a_shaft_that_its_own_damping_pushes_aside_balances() {
     for (place, square) in own.enumerate() {
         rest[place] -= square * point.coordinates[place];
     }
-    for ((port, bearing), ring) in system.ports.iter().zip(&rotor.bearings).zip(&point.rings) {
+    for ((port, bearing), ring) in system.bearings.iter().zip(&rotor.bearings).zip(&point.rings) {
         rest += port.rows.tr_mul(&nalgebra::DVector::from_row_slice(&super::wrench(bearing, ring)));
     }
     assert!(rest.amax() < 1e-8 * system.load(&rotor).amax(), "{rest}");
@@ -222,7 +226,7 @@ fn a_free_shaft_is_not_restrained() {
     // A spring in place of the second bearing.
     rotor.bearings.truncate(1);
     let stiffness = diagonal([0.0, 5e7, 5e7, 0.0, 0.0]);
-    rotor.supports = vec![Support { at: 0.25, stiffness, damping: diagonal([0.0; 5]) }];
+    rotor.supports = vec![Support { at: 0.25, on: None, stiffness, damping: diagonal([0.0; 5]) }];
     let point = operating(&rotor);
     assert!(
         (point.rings[0].wrench[1] / (-0.5 * 9.81 * rotor.shaft.mass()) - 1.0).abs() < 1e-3,

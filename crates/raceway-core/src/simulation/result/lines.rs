@@ -555,7 +555,9 @@ mod tests {
     fn the_cause_that_fits_is_named() {
         let motor = CharacteristicFrequencies {
             shaft: 29.95,
+            outer_ring: 0.0,
             cage: 11.937_41,
+            ball_pass: 107.436_67,
             ball_pass_outer: 107.436_67,
             ball_pass_inner: 162.113_33,
             ball_spin: 0.0,

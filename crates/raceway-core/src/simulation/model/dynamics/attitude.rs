@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use super::contact_frame::ContactFrame;
+use super::contact_frame::{ContactFrame, TiltedFrame};
 use super::equations::Dynamics;
 use super::one_ball::OneBall;
 use crate::numerics::angle::sin_cos;
@@ -227,13 +227,16 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         first: usize,
         attitude: Option<&[BallAttitude<Lanes>; 2]>,
         relative: &PerRaceway<RelativeMotion<Lanes>>,
-        frames: &F::Several,
+        (frames, outer_frames): (&F::Several, Option<&TiltedFrame<Lanes>>),
         rotations: &Rotations,
     ) -> PerRaceway<OnBall<Lanes>> {
         let inner = self.on_balls_at_inner::<F>(first, attitude, &relative.inner, frames, rotations);
         let mut outer = OnBall::default();
         if let Some([attitude, _]) = attitude {
-            let poses = self.poses(first, attitude, rotations);
+            let mut poses = self.poses(first, attitude, rotations);
+            if let Some(frames) = outer_frames {
+                poses = self.poses_in::<TiltedFrame>(&poses, frames, 0.0);
+            }
             let raceway = &self.mechanism().raceway.outer;
             outer = raceway.on_balls::<PLANAR>(first, &relative.outer, &poses, self.instructions());
         }
@@ -252,14 +255,14 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     ) -> OnBall<Lanes> {
         let mut on_balls = OnBall::default();
         if let Some([attitude, _]) = attitude {
-            let poses = self.poses_at_inner::<F>(&self.poses(first, attitude, rotations), frames);
+            let poses = self.poses_in::<F>(&self.poses(first, attitude, rotations), frames, PI);
             let raceway = &self.mechanism().raceway.inner;
             on_balls = raceway.on_balls::<PLANAR>(first, relative, &poses, self.instructions());
         }
         on_balls.grown(&self.mechanism().bodies[first / LANES].oversize)
     }
 
-    /// Poses of the balls from `first` on in the frames of the outer contacts, which are the orbit frames.
+    /// Poses of the balls from `first` on in their orbit frames, which are those of the contacts with an outer ring at the origin.
     fn poses(&self, first: usize, attitude: &BallAttitude<Lanes>, rotations: &Rotations) -> BallPose<Lanes> {
         let mut at_start = <[Vector<Lanes>; 3]>::default();
         for (lane, ball) in self.mechanism().uneven_balls[first..].iter().take(LANES).enumerate() {
@@ -268,17 +271,17 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         self.instructions().run(Poses::<PLANAR> { attitude, at_start, turn: rotations.turn })
     }
 
-    /// Poses in the frames of the inner contacts of balls in some poses at the outer ones.
-    fn poses_at_inner<F: ContactFrame>(&self, outer: &BallPose<Lanes>, frames: &F::Several) -> BallPose<Lanes> {
-        let mut inner = BallPose::<Lanes>::default();
+    /// Poses in the frames of contacts of balls in some poses in their orbit frames. In the plane the contact lies `across` further on the ball.
+    fn poses_in<F: ContactFrame>(&self, orbit: &BallPose<Lanes>, frames: &F::Several, across: f64) -> BallPose<Lanes> {
+        let mut poses = BallPose::<Lanes>::default();
         for lane in 0..LANES {
-            let (pose, frame) = (outer.at(lane), frames.at(lane));
+            let (pose, frame) = (orbit.at(lane), frames.at(lane));
             let pose = match PLANAR {
-                true => BallPose { longitude: pose.longitude + (PI + frame.turn()), ..pose },
+                true => BallPose { longitude: pose.longitude + (across + frame.turn()), ..pose },
                 false => BallPose { axes: pose.axes.map(|axis| frame.components(axis)), ..pose },
             };
-            inner.put(lane, pose);
+            poses.put(lane, pose);
         }
-        inner
+        poses
     }
 }

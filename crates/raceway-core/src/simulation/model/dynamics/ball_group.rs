@@ -19,6 +19,8 @@ pub(super) struct Balls {
     pub reaction: Reaction<Lanes>,
     /// Moments on a spindle that tilts, inertial frame [N m].
     pub on_tilt: Option<Vector<Lanes>>,
+    /// Forces and moments about its centre on an outer ring that moves, inertial frame [N, N m].
+    pub on_outer: Option<[Vector<Lanes>; 2]>,
     /// Attitudes, which are an input, and their rates; `None`: spheres have none.
     pub attitude: Option<[BallAttitude<Lanes>; 2]>,
 }
@@ -33,6 +35,7 @@ impl Balls {
             rates: BallState::default(),
             reaction: Reaction::default(),
             on_tilt,
+            on_outer: None,
             attitude: None,
         }
     }
@@ -43,6 +46,18 @@ impl Balls {
         if let Some(on_tilt) = &self.on_tilt {
             for lane in 0..LANES.min(balls) {
                 *sum = add(*sum, on_tilt.at(lane));
+            }
+        }
+    }
+}
+
+impl Balls {
+    /// Adds forces and moments of the first `balls` lanes on an outer ring that moves, one ball after the other.
+    #[inline(always)]
+    pub(super) fn add_on_outer(&self, sum: &mut [Vector; 2], balls: usize) {
+        if let Some([forces, moments]) = &self.on_outer {
+            for lane in 0..LANES.min(balls) {
+                *sum = [add(sum[0], forces.at(lane)), add(sum[1], moments.at(lane))];
             }
         }
     }

@@ -1,5 +1,6 @@
-//! Cage and spindle at one time, in the form in which the balls need them.
+//! Cage, spindle and outer ring at one time, in the form in which the balls need them.
 
+use super::contact_frame::TiltedAxis;
 use crate::physics::cage::CageMotion;
 use crate::physics::frames::Azimuth;
 use crate::simulation::model::mechanism::Rotations;
@@ -11,11 +12,26 @@ pub(super) struct Border {
     pub cage: CageState,
     pub pose: CagePose,
     pub spindle: SpindleState,
+    /// `None`: the outer ring is at the origin.
+    pub outer: Option<OuterRing>,
     pub rotations: Rotations,
     /// [s]
     pub time: f64,
     /// Rate of the fading start-up damping [1/s]; else 0.
     pub damping: f64,
+}
+
+/// An outer ring that moves.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OuterRing {
+    pub state: SpindleState,
+    pub axis: TiltedAxis,
+}
+
+impl OuterRing {
+    pub(super) fn new(state: SpindleState) -> Self {
+        Self { state, axis: TiltedAxis::new(state.tilt, state.tilt_rate) }
+    }
 }
 
 /// Position and motion of the cage, for its pockets.

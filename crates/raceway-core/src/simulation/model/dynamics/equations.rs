@@ -4,16 +4,16 @@
 use std::array::from_fn;
 
 use super::ball_group::{BallLoads, Balls, Slopes};
-use super::border::{Border, CagePose};
+use super::border::{Border, CagePose, OuterRing};
 use super::contact_frame::{ContactFrame, StraightFrame, TiltedAxis, TiltedFrame};
 use super::forces::{Reaction, Wrench};
-use super::one_ball::{OneBall, moment_on_inner, on_inner, on_pocket};
+use super::one_ball::{OneBall, moment_on_ring, on_inner, on_pocket};
 use super::watch::Watch;
 use crate::numerics::lanes::{InstructionSet, LANES, Lanes, SideBySide, Task};
 use crate::physics::ball::{BallMotion, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::cage::CageMotion;
-use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, length, scale};
+use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, dot, length, scale, subtract};
 use crate::physics::operation::Turn;
 use crate::physics::pocket::{PocketLoad, PocketMotion, PocketSlopes};
 use crate::physics::raceway::{RacewayContact, RacewayLoad, RelativeMotion};
@@ -100,26 +100,27 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     fn evaluate_by(&self, time: f64, y: &[f64], dy: &mut [f64], watch: Option<&mut (dyn Watch + '_)>) {
         let layout = self.mechanism.layout;
         let spindle = layout.spindle(y);
-        let (border, reaction, on_tilt) = self.bearing_by(time, y, spindle, dy, watch);
-        layout.set_spindle(dy, &self.spindle_rates(&border, reaction.spindle, on_tilt));
+        let rings = Rings { inner: spindle, outer: None };
+        let (border, reaction) = self.bearing_by(time, y, rings, dy, watch);
+        layout.set_spindle(dy, &self.spindle_rates(&border, reaction.sum.spindle, reaction.on_tilt));
     }
 
-    /// Writes the rates of balls and cage at a motion of the inner ring. Returns the reaction of the balls, and their moment on a ring that
-    /// tilts.
+    /// Writes the rates of balls and cage at a motion of the rings. Returns what balls and cage exert.
     #[inline(always)]
     pub(super) fn bearing_by(
         &self,
         time: f64,
         y: &[f64],
-        ring: SpindleState,
+        rings: Rings,
         dy: &mut [f64],
         mut watch: Option<&mut (dyn Watch + '_)>,
-    ) -> (Border, Reaction, Vector) {
+    ) -> (Border, OnRings) {
         let layout = self.mechanism.layout;
         // The state is gathered before the border: the scalar stores reach the cache before the vector loads.
         let mut state = layout.side_by_side::<PLANAR>(y, 0);
-        let border = self.border(layout.cage(y), ring, time);
-        let (mut sum, mut on_tilt) = (Reaction::default(), [0.0; 3]);
+        let mut border = self.border(layout.cage(y), rings.inner, time);
+        border.outer = rings.outer.map(OuterRing::new);
+        let OnRings { mut sum, mut on_tilt, mut on_outer } = OnRings::default();
         let mut balls = Balls::new(layout.tilting_spindle);
         for first in (0..layout.balls).step_by(LANES) {
             if first > 0 {
@@ -131,6 +132,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             self.balls(first, &state, &border, &mut balls, watch.as_deref_mut(), None);
             balls.reaction.sum_into(&mut sum, layout.balls - first);
             balls.add_on_tilt(&mut on_tilt, layout.balls - first);
+            balls.add_on_outer(&mut on_outer, layout.balls - first);
             layout.set_side_by_side::<PLANAR>(dy, first, &balls.rates);
             if let Some([_, rates]) = &balls.attitude {
                 layout.set_attitudes(dy, first, rates);
@@ -144,7 +146,8 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             });
         }
         layout.set_cage(dy, &self.cage_rates(&border, &sum));
-        (border, sum, on_tilt)
+        self.add_land(&border, &mut on_outer);
+        (border, OnRings { sum, on_tilt, on_outer })
     }
 
     /// Evaluates motion, rates and reactions of the balls from `first` on.
@@ -199,6 +202,10 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             balls.motion.put(lane, motion);
         }
         self.turn_azimuths::<F>(&frames, &mut relative.inner);
+        let outer_frames = match &border.outer {
+            None => None,
+            Some(ring) => Some(self.over_moving_outer(&balls.motion, ring, &rotations, &mut relative.outer)),
+        };
         m.raceway.outer.place_in_groove(&mut relative.outer);
         m.raceway.inner.place_in_groove(&mut relative.inner);
         if let Some([attitude, rates]) = &mut balls.attitude {
@@ -209,7 +216,13 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         let on_balls = match self.has_nominal_spheres() {
             true => None,
             false => {
-                of_balls = self.on_balls::<F>(first, balls.attitude.as_ref(), &relative, &frames, &rotations);
+                of_balls = self.on_balls::<F>(
+                    first,
+                    balls.attitude.as_ref(),
+                    &relative,
+                    (&frames, outer_frames.as_ref()),
+                    &rotations,
+                );
                 Some(&of_balls)
             }
         };
@@ -256,6 +269,9 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 slopes.arm.put(lane, tilt.to_inertial(add(places.at(lane), in_pocket.lever.at(lane))));
             }
         }
+        if let Some(frames) = &outer_frames {
+            balls.on_outer = Some(on_moving_outer(&balls.motion, frames, &mut load.outer));
+        }
         let loads = BallLoads {
             frames: &frames,
             raceway: &load,
@@ -287,6 +303,27 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
                 }
             }
         }
+    }
+
+    /// Writes the motion of balls relative to an outer ring that moves, and returns the frames of its components.
+    #[inline(never)]
+    fn over_moving_outer(
+        &self,
+        motion: &BallMotion<Lanes>,
+        ring: &OuterRing,
+        rotations: &Rotations,
+        relative: &mut RelativeMotion<Lanes>,
+    ) -> TiltedFrame<Lanes> {
+        let mut frames = TiltedFrame::<Lanes>::default();
+        for lane in 0..LANES {
+            let (mut over, frame) = self.one.over_moving_outer(&motion.at(lane), ring, rotations);
+            if !self.mechanism.raceway.outer.is_circle() {
+                over.azimuth += frame.turn();
+            }
+            relative.put(lane, over);
+            frames.put(lane, frame);
+        }
+        frames
     }
 
     /// Writes the rates of balls of some size and mass under their loads, and their reactions.
@@ -457,7 +494,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     pub(super) fn border(&self, cage: CageState, spindle: SpindleState, time: f64) -> Border {
         let rotations = self.mechanism.rotations(time);
         let damping = self.mechanism.damping.map_or(0.0, |damping| damping.at(time));
-        Border { pose: self.cage_pose(&cage, &rotations), cage, spindle, rotations, time, damping }
+        Border { pose: self.cage_pose(&cage, &rotations), cage, spindle, outer: None, rotations, time, damping }
     }
 
     #[inline(always)]
@@ -486,8 +523,7 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
         }
         let mut force = pose.motion.tilt.to_inertial(reaction.cage_force);
         let mut moment = reaction.cage_moment;
-        if let Some(land) = &m.land {
-            let (land_force, braking) = land.load(pose.motion.centre, pose.motion.spin[0], rotations.outer.speed);
+        if let Some((land_force, braking)) = self.land_load(border) {
             force = add(force, land_force);
             moment[0] += braking;
         }
@@ -507,6 +543,25 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
             arc_velocity: m.pitch_radius * (rates.angular[0] - rotations.orbit.acceleration),
             tilt_rate: [rates.angular[1], rates.angular[2]],
         }
+    }
+
+    /// Force and braking moment of the guiding land of the outer ring on the cage, in the inertial frame; `None` without one.
+    #[inline(always)]
+    fn land_load(&self, border: &Border) -> Option<(Vector, f64)> {
+        let (land, cage) = (self.mechanism.land.as_ref()?, &border.pose.motion);
+        let centre = border.outer.as_ref().map_or(cage.centre, |ring| {
+            let ([x, y, z], [about_y, about_z]) = (subtract(cage.centre, ring.state.position), ring.state.tilt);
+            [x, y - x * about_z, z + x * about_y]
+        });
+        Some(land.load(centre, cage.spin[0], border.rotations.outer.speed))
+    }
+
+    /// Adds the load of the cage on an outer ring that moves and has a guiding land.
+    pub(super) fn add_land(&self, border: &Border, [force, moment]: &mut [Vector; 2]) {
+        let (Some(ring), Some((on_cage, _))) = (&border.outer, self.land_load(border)) else { return };
+        let on_ring = scale(-1.0, on_cage);
+        *force = add(*force, on_ring);
+        *moment = add(*moment, cross(subtract(border.pose.motion.centre, ring.state.position), on_ring));
     }
 
     /// Rates of the cage caused by a reaction.
@@ -576,6 +631,43 @@ pub(super) struct InnerPart {
     pub on_tilt: Option<Vector<Lanes>>,
 }
 
+/// Motion of both rings.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rings {
+    pub inner: SpindleState,
+    /// `None`: the outer ring is at the origin.
+    pub outer: Option<SpindleState>,
+}
+
+/// What balls and cage exert on the rings.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct OnRings {
+    pub sum: Reaction,
+    /// Moment on an inner ring that tilts, about its centre, inertial frame [N m].
+    pub on_tilt: Vector,
+    /// Force, and moment about its centre, on an outer ring that moves, inertial frame [N, N m].
+    pub on_outer: [Vector; 2],
+}
+
+/// Turns the loads of the raceway of an outer ring that moves on balls side by side into their orbit frames. Returns forces and moments on the
+/// ring about its centre, inertial frame [N, N m].
+#[inline(never)]
+fn on_moving_outer(
+    motion: &BallMotion<Lanes>,
+    frames: &TiltedFrame<Lanes>,
+    load: &mut RacewayLoad<Lanes>,
+) -> [Vector<Lanes>; 2] {
+    let mut on_ring = <[Vector<Lanes>; 2]>::default();
+    for lane in 0..LANES {
+        let (azimuth, frame, of_ring) = (motion.azimuth.at(lane), frames.at(lane), load.at(lane));
+        let (Wrench { force, moment }, on_outer) = on_inner(azimuth, &frame, &of_ring);
+        on_ring[0].put(lane, on_outer);
+        on_ring[1].put(lane, moment_on_ring(azimuth, &frame, &of_ring));
+        load.put(lane, RacewayLoad { force, moment, ..of_ring });
+    }
+    on_ring
+}
+
 /// Moments of balls side by side on the inner ring about its centre, inertial frame [N m].
 #[inline(never)]
 fn moments_on_inner<F: ContactFrame>(
@@ -585,7 +677,7 @@ fn moments_on_inner<F: ContactFrame>(
 ) -> Vector<Lanes> {
     let mut moments = <Vector<Lanes>>::default();
     for lane in 0..LANES {
-        moments.put(lane, moment_on_inner(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane)));
+        moments.put(lane, moment_on_ring(motion.azimuth.at(lane), &frames.at(lane), &load.at(lane)));
     }
     moments
 }

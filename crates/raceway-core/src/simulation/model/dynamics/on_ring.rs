@@ -1,17 +1,18 @@
-//! A bearing whose inner ring is moved from outside, by a shaft: rates and steps of balls and cage at a motion of the ring, and what they
-//! exert on it.
+//! A bearing whose rings are moved from outside, by a shaft and a housing: rates and steps of balls and cage at a motion of the rings, and
+//! what they exert on them.
 
-use super::equations::Full;
+pub(crate) use super::equations::Rings;
+use super::equations::{Full, OnRings};
 pub(crate) use super::semi_implicit::correction::RingResistance;
 use super::semi_implicit::{Node, SemiImplicit};
 use super::watch::Watch;
 use crate::numerics::lanes::Task;
 use crate::physics::frames::Tilt;
-use crate::physics::frames::{Vector, dot};
+use crate::physics::frames::{Vector, dot, subtract};
 use crate::simulation::model::state::SpindleState;
 
-/// Force [N] and moments about the angles of its tilt, Y and the new Z [N m], of the balls on the inner ring, and the moment about its
-/// axis [N m], which the drive takes.
+/// Force [N] and moments about the angles of its tilt, Y and the new Z [N m], of balls and cage on a ring, and the moment about its
+/// axis [N m], which the drive or the housing takes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct RingLoad {
     pub force: Vector,
@@ -32,17 +33,24 @@ impl RingLoad {
     }
 }
 
+/// Loads on both rings. The second is nothing where the outer ring does not move.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct RingLoads {
+    pub inner: RingLoad,
+    pub outer: RingLoad,
+}
+
 impl Full {
-    /// Writes the rates of balls and cage, whose state `y` holds alone, at a motion of the ring. Returns their load on the ring.
+    /// Writes the rates of balls and cage, whose state `y` holds alone, at a motion of the rings. Returns their loads on the rings.
     pub(crate) fn rates_on_ring(
         &self,
         time: f64,
         y: &[f64],
-        ring: SpindleState,
+        rings: Rings,
         dy: &mut [f64],
         watch: Option<&mut (dyn Watch + '_)>,
-    ) -> RingLoad {
-        self.instructions().run(Rates { dynamics: self, time, y, ring, dy, watch })
+    ) -> RingLoads {
+        self.instructions().run(Rates { dynamics: self, time, y, rings, dy, watch })
     }
 }
 
@@ -51,22 +59,39 @@ struct Rates<'a, 'w> {
     dynamics: &'a Full,
     time: f64,
     y: &'a [f64],
-    ring: SpindleState,
+    rings: Rings,
     dy: &'a mut [f64],
     watch: Option<&'a mut (dyn Watch + 'w)>,
 }
 
 impl Task for Rates<'_, '_> {
-    type Answer = RingLoad;
+    type Answer = RingLoads;
 
     #[inline(always)]
-    fn run(self) -> RingLoad {
-        let (_, reaction, moment) = self.dynamics.bearing_by(self.time, self.y, self.ring, self.dy, self.watch);
-        RingLoad::of(reaction.spindle, moment, self.ring.tilt)
+    fn run(self) -> RingLoads {
+        let rings = self.rings;
+        let (_, OnRings { sum, on_tilt, on_outer }) =
+            self.dynamics.bearing_by(self.time, self.y, rings, self.dy, self.watch);
+        RingLoads { inner: RingLoad::of(sum.spindle, on_tilt, rings.inner.tilt), outer: rings.on_outer(on_outer) }
     }
 }
 
-/// Balls and cage in fixed steps, driven by whoever moves the ring.
+impl Rings {
+    /// Position and tilt of the inner ring from the outer one.
+    pub(crate) fn apart(&self) -> (Vector, [f64; 2]) {
+        let SpindleState { position, tilt, .. } = self.inner;
+        self.outer.map_or((position, tilt), |outer| {
+            (subtract(position, outer.position), [tilt[0] - outer.tilt[0], tilt[1] - outer.tilt[1]])
+        })
+    }
+
+    /// Load on the outer ring; nothing where it does not move.
+    fn on_outer(&self, [force, moment]: [Vector; 2]) -> RingLoad {
+        self.outer.map_or_else(RingLoad::default, |ring| RingLoad::of(force, moment, ring.tilt))
+    }
+}
+
+/// Balls and cage in fixed steps, driven by whoever moves the rings.
 pub(crate) struct RingStepper<'m>(SemiImplicit<'m, false>);
 
 /// Balls and cage at one time.
@@ -97,12 +122,12 @@ impl<'m> RingStepper<'m> {
         self.0.set_past(past.into_iter().map(|node| node.0));
     }
 
-    /// Advances balls and cage by a step to a time at which the ring is predicted to move like this. Returns their load on the ring after their
-    /// corrections, and their resistance to its further motion.
-    pub(crate) fn advance(&mut self, end: f64, step: f64, ring: SpindleState) -> (RingLoad, RingResistance) {
-        self.0.aim(end, step, ring);
+    /// Advances balls and cage by a step to a time at which the rings are predicted to move like this. Returns their load on the inner and on the
+    /// outer ring after their corrections, each with their resistance to its further motion.
+    pub(crate) fn advance(&mut self, end: f64, step: f64, rings: Rings) -> [(RingLoad, RingResistance); 2] {
+        self.0.aim(end, step, rings);
         let instructions = self.0.dynamics().instructions();
-        instructions.run(Advance { stepper: &mut self.0, ring })
+        instructions.run(Advance { stepper: &mut self.0, rings })
     }
 
     /// Ends the step.
@@ -129,15 +154,17 @@ impl<'m> RingStepper<'m> {
 /// One step, compiled for each instruction set.
 struct Advance<'a, 'm> {
     stepper: &'a mut SemiImplicit<'m, false>,
-    ring: SpindleState,
+    rings: Rings,
 }
 
 impl Task for Advance<'_, '_> {
-    type Answer = (RingLoad, RingResistance);
+    type Answer = [(RingLoad, RingResistance); 2];
 
     #[inline(always)]
     fn run(self) -> Self::Answer {
-        let (force, moment, resistance) = self.stepper.advance_on_ring();
-        (RingLoad::of(force, moment, self.ring.tilt), resistance)
+        let [(force, moment, resistance), (outer_force, outer_moment, outer_resistance)] =
+            self.stepper.advance_on_ring();
+        let inner = RingLoad::of(force, moment, self.rings.inner.tilt);
+        [(inner, resistance), (self.rings.on_outer([outer_force, outer_moment]), outer_resistance)]
     }
 }

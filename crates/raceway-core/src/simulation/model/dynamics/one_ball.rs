@@ -1,7 +1,7 @@
 //! Constants and formulas of one ball between its raceways and in its pocket.
 
-use super::border::CagePose;
-use super::contact_frame::ContactFrame;
+use super::border::{CagePose, OuterRing};
+use super::contact_frame::{ContactFrame, TiltedFrame};
 use super::forces::Wrench;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide};
 use crate::physics::ball::{BallAcceleration, BallBody, BallMotion, Bodies};
@@ -56,6 +56,19 @@ impl OneBall {
             orbit_speed: motion.orbit_speed,
             azimuth: motion.azimuth_angle - rotations.outer.angle,
         }
+    }
+
+    /// Motion relative to the raceway of an outer ring that moves, and the frame of its components.
+    #[inline(always)]
+    pub(crate) fn over_moving_outer(
+        &self,
+        motion: &BallMotion,
+        ring: &OuterRing,
+        rotations: &Rotations,
+    ) -> (RelativeMotion, TiltedFrame) {
+        let fixed = Self { axial_offset: 0.0, ..*self };
+        let as_inner = Rotations { inner: rotations.outer, ..*rotations };
+        fixed.over_inner::<TiltedFrame>(motion, &ring.state, &as_inner, &ring.axis)
     }
 
     /// Motion relative to the inner raceway, and the frame of its components.
@@ -159,16 +172,16 @@ impl OneBall {
     }
 }
 
-/// Load of the inner raceway on a ball, in its orbit frame, and of the ball on the spindle, in the inertial frame.
+/// Load of a raceway on a ball, in its orbit frame, and of the ball on the ring, in the inertial frame.
 #[inline(always)]
 pub(super) fn on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> (Wrench, Vector) {
     let force = frame.vector(load.force);
     (Wrench { force, moment: frame.vector(load.moment) }, scale(-1.0, azimuth.to_inertial(force)))
 }
 
-/// Moment of a ball on the inner ring about the ring's centre, in the inertial frame.
+/// Moment of a ball on a ring about the ring's centre, in the inertial frame.
 #[inline(always)]
-pub(super) fn moment_on_inner(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> Vector {
+pub(super) fn moment_on_ring(azimuth: Azimuth, frame: &impl ContactFrame, load: &RacewayLoad) -> Vector {
     let (axial, radius) = frame.place();
     let on_ball = add(cross([axial, radius, 0.0], load.force), load.moment);
     scale(-1.0, azimuth.to_inertial(frame.vector(on_ball)))

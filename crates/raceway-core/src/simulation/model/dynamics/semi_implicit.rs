@@ -20,8 +20,8 @@ use std::array::from_fn;
 use std::cell::{Cell, OnceCell};
 
 use super::ball_group::{Balls, Slopes};
-use super::border::Border;
-use super::equations::Dynamics;
+use super::border::{Border, OuterRing};
+use super::equations::{Dynamics, Rings};
 use super::forces::Reaction;
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, Task};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
@@ -91,6 +91,8 @@ pub(super) struct Node {
 /// Integrator with its last states.
 pub(super) struct SemiImplicit<'m, const PLANAR: bool> {
     dynamics: &'m Dynamics<PLANAR>,
+    /// Predicted motion of an outer ring that moves.
+    outer: Option<SpindleState>,
     /// Requested step [s].
     asked: f64,
     /// Actual step [s], which divides the time to the next stop.
@@ -147,6 +149,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let step_loads = vec![0.0; PackedStepLoads::numbers(layout.balls.div_ceil(LANES))];
         Self {
             dynamics,
+            outer: None,
             asked: step,
             step,
             time,
@@ -217,20 +220,23 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         }
     }
 
-    /// Begins a step to a time and a predicted motion of the ring.
-    pub(super) fn aim(&mut self, end: f64, step: f64, ring: SpindleState) {
+    /// Begins a step to a time and a predicted motion of the rings.
+    pub(super) fn aim(&mut self, end: f64, step: f64, rings: Rings) {
         self.step = step;
         self.previous = self.time;
         self.time = end;
         self.nodes.rotate_right(1);
-        self.nodes[0].spindle = ring;
+        self.nodes[0].spindle = rings.inner;
+        self.outer = rings.outer;
     }
 
-    /// Advances balls and cage at a predicted motion of the ring. Returns force and moment on the ring and the resistance to its motion.
+    /// Advances balls and cage at a predicted motion of the rings. Returns force and moment on the inner and the outer ring, and the resistances to
+    /// their motion.
     #[inline(always)]
-    pub(super) fn advance_on_ring(&mut self) -> (Vector, Vector, RingResistance) {
-        let step = self.advance_bearing_by::<true>((0.0, 0.0));
-        (step.reaction.spindle, step.moment, step.resistance)
+    pub(super) fn advance_on_ring(&mut self) -> [(Vector, Vector, RingResistance); 2] {
+        let BearingStep { reaction, moment, resistance, on_outer, outer_resistance, .. } =
+            self.advance_bearing_by::<true>((0.0, 0.0));
+        [(reaction.spindle, moment, resistance), (on_outer[0], on_outer[1], outer_resistance)]
     }
 
     /// Ends a step.
@@ -313,7 +319,10 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let [new, now, before, ..] = self.nodes.each_mut().map(|node| &mut **node);
         let past_cage = formula.past_of_cage(&now.cage, &before.cage);
         let cage = formula.predicted_cage(&now.cage, &before.cage, &past_cage, share);
-        let border = dynamics.border(cage, new.spindle, self.time);
+        let mut border = dynamics.border(cage, new.spindle, self.time);
+        if RING {
+            border.outer = self.outer.map(OuterRing::new);
+        }
 
         let neighbours = dynamics.mechanism().neighbours.as_ref();
         if let Some(contact) = neighbours {
@@ -334,6 +343,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         let mut sum = Reaction::default();
         let mut stiff = Stiff::default();
         let (mut moment, mut resistance) = ([0.0; 3], RingResistance::default());
+        let (mut on_outer, mut outer_resistance) = ([[0.0; 3]; 2], RingResistance::default());
         let (balls, slopes, corrected) = (&mut self.balls, &mut self.slopes, &mut self.corrected);
         for group in 0..now.balls.len() {
             let first = group * LANES;
@@ -365,7 +375,15 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             if RING {
                 balls.add_on_tilt(&mut moment, layout.balls - first);
                 dynamics.add_to_ring(layout.balls - first, (balls, slopes, corrected), &mut moment, &mut resistance);
+                if border.outer.is_some() {
+                    balls.add_on_outer(&mut on_outer, layout.balls - first);
+                    let moved = (&*balls, &*slopes, &predicted, &*corrected);
+                    dynamics.add_to_outer(layout.balls - first, moved, share, &mut on_outer, &mut outer_resistance);
+                }
             }
+        }
+        if RING {
+            dynamics.add_land(&border, &mut on_outer);
         }
 
         // Cage, under the loads after the balls' corrections.
@@ -377,7 +395,7 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
             let response = dynamics.cage_stiffness(&stiff);
             (new.cage, new.cage_rates) = corrected_cage(&past_cage, &cage, &rates, &response, share);
         }
-        BearingStep { border, reaction: sum, stiff, moment, resistance }
+        BearingStep { border, reaction: sum, stiff, moment, resistance, on_outer, outer_resistance }
     }
 }
 
@@ -389,6 +407,9 @@ struct BearingStep {
     /// On a ring that tilts, about its centre, inertial frame [N m].
     moment: Vector,
     resistance: RingResistance,
+    /// Force and moment on an outer ring that moves, about its centre, inertial frame [N, N m].
+    on_outer: [Vector; 2],
+    outer_resistance: RingResistance,
 }
 
 /// One step, compiled for each instruction set.

@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use crate::numerics::lanes::{LANES, Lanes, SideBySide, larger, side_by_side};
-use crate::physics::ball::{BallBody, Bodies};
+use crate::physics::ball::{BallBody, BallMotion, Bodies};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Vector, add, cross, dot, scale};
 use crate::physics::pocket::PocketSlopes;
@@ -47,6 +47,29 @@ pub(crate) struct RingResistance {
     pub stiffness: [[f64; 5]; 5],
     /// [N s/m, N s, N m s]
     pub damping: [[f64; 5]; 5],
+}
+
+impl RingResistance {
+    /// Adds that of a contact of a ball. `lever`: of the contact's point, in the inertial frame.
+    fn add(&mut self, motion: &BallMotion, contact: &ContactSlopes, lever: Vector) {
+        let (axial, radial) = contact.towards;
+        let normal = motion.azimuth.to_inertial([axial, radial, 0.0]);
+        let [x, y, z] = normal;
+        let [_, about_y, about_z] = cross(lever, normal);
+        let along = [x, y, z, about_y, about_z];
+        for (row, one) in along.into_iter().enumerate() {
+            for (column, other) in along.into_iter().enumerate() {
+                self.stiffness[row][column] += contact.stiffness * one * other;
+                self.damping[row][column] += contact.damping * one * other;
+            }
+        }
+    }
+}
+
+/// The point of a contact of a ball, in the inertial frame [m].
+fn lever(motion: &BallMotion, contact: &ContactSlopes, radius: f64) -> Vector {
+    let (axial, radial) = contact.towards;
+    motion.azimuth.to_inertial([motion.axial + radius * axial, motion.radius + radius * radial, 0.0])
 }
 
 /// Balls at the end of a step.
@@ -322,21 +345,32 @@ impl<const PLANAR: bool> Dynamics<PLANAR> {
     ) {
         for lane in 0..LANES.min(count) {
             let (motion, inner) = (balls.motion.at(lane), slopes.raceway.inner.at(lane));
-            let (axial, radial) = inner.towards;
-            let radius = self.mechanism().ball_radius;
-            let lever = [motion.axial + radius * axial, motion.radius + radius * radial, 0.0];
-            let lever = motion.azimuth.to_inertial(lever);
+            let lever = lever(&motion, &inner, self.mechanism().ball_radius);
             *moment = add(*moment, cross(lever, corrected.reaction.at(lane).spindle));
-            let normal = motion.azimuth.to_inertial([axial, radial, 0.0]);
-            let [x, y, z] = normal;
-            let [_, about_y, about_z] = cross(lever, normal);
-            let along = [x, y, z, about_y, about_z];
-            for (row, one) in along.into_iter().enumerate() {
-                for (column, other) in along.into_iter().enumerate() {
-                    resistance.stiffness[row][column] += inner.stiffness * one * other;
-                    resistance.damping[row][column] += inner.damping * one * other;
-                }
-            }
+            resistance.add(&motion, &inner, lever);
+        }
+    }
+
+    /// Adds forces and moments on an outer ring that moves, caused by the corrections of the first `count` balls, and their resistance to its motion.
+    pub(super) fn add_to_outer(
+        &self,
+        count: usize,
+        (balls, slopes, predicted, corrected): (&Balls, &Slopes<Lanes>, &BallState<Lanes>, &Corrected),
+        share: f64,
+        on_ring: &mut [Vector; 2],
+        resistance: &mut RingResistance,
+    ) {
+        let radius = self.mechanism().ball_radius;
+        for lane in 0..LANES.min(count) {
+            let (motion, outer) = (balls.motion.at(lane), slopes.raceway.outer.at(lane));
+            let change = corrected.state.at(lane).combined(1.0, &predicted.at(lane), -1.0);
+            let in_plane = [change.axial_velocity, change.radial_velocity, change.spin[2]];
+            let along = [change.arc_velocity, change.spin[0], change.spin[1]];
+            let on_ball = Resistance::of(&outer, radius, share).force(in_plane, along);
+            let force = scale(-1.0, motion.azimuth.to_inertial(on_ball));
+            let lever = lever(&motion, &outer, radius);
+            *on_ring = [add(on_ring[0], force), add(on_ring[1], cross(lever, force))];
+            resistance.add(&motion, &outer, lever);
         }
     }
 

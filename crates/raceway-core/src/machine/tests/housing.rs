@@ -1,0 +1,166 @@
+//! Outer rings that move with their bodies and in their seats: balances, limits, the linear analysis, mirror images.
+
+use super::*;
+use crate::physics::frame::housing::{Body, Mount};
+use crate::physics::frame::support::diagonal;
+use crate::physics::statics::shaft::Spring;
+
+/// Both bearings in a body off their middle.
+fn in_body(mut machine: Machine, stiffness: [f64; 5], damping: f64) -> Machine {
+    machine.rotor.bearings.iter_mut().for_each(|bearing| bearing.on = Some(0));
+    machine.rotor.housing = Housing {
+        bodies: vec![Body { at: 0.12, mass: 6.0, inertia: [0.05, 0.03] }],
+        mounts: vec![Mount {
+            body: 0,
+            to: None,
+            at: 0.1,
+            stiffness: diagonal(stiffness),
+            damping: diagonal([damping; 5]),
+        }],
+    };
+    machine.bodies = vec!["head".to_owned()];
+    machine
+}
+
+/// The first bearing in an elastic seat, the second in a sliding one in place of the rigid preload.
+fn in_seats(mut machine: Machine) -> Machine {
+    let [one, other] = &mut machine.rotor.bearings[..] else { panic!() };
+    (one.mounted.outer, other.mounted.outer) = ([0.0; 5], [0.0; 5]);
+    let stiffness = diagonal([1.5e8, 1e8, 1e8, 2e4, 2e4]);
+    one.seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, stiffness, damping: diagonal([0.0; 5]) };
+    other.seat = Seat::Sliding { mass: 0.06, spring: Spring { force: 200.0, stiffness: 5e4 }, damping: 0.0 };
+    machine
+}
+
+const MOUNTS: [f64; 5] = [6e7, 3e7, 4e7, 2e5, 3e5];
+
+fn is_kept(machine: &Machine) {
+    let (dynamics, start) = started(machine);
+    let state = disturbed(&start, &dynamics);
+    let (_, velocity) = dynamics.coordinates(&state);
+    let mut rates = vec![0.0; state.len()];
+    dynamics.derivative(0.0, &state, &mut rates);
+    let (_, acceleration) = dynamics.coordinates(&rates);
+    let exchanged: f64 = velocity.iter().zip(acceleration).map(|(v, a)| (v * a).abs()).sum();
+    let gained = power(&dynamics, &state, true);
+    assert!(exchanged > 1.0 && gained.abs() < 1e-8 * exchanged, "{gained:e} of {exchanged:e} W");
+}
+
+/// Without dissipation, bodies and rings gain what shaft and balls lose.
+#[test]
+fn the_housing_gains_what_the_bearings_lose() {
+    let mut machine = conservative();
+    machine.rotor.unbalances.clear();
+    is_kept(&in_body(machine.clone(), MOUNTS, 0.0));
+    is_kept(&in_seats(machine.clone()));
+    is_kept(&in_seats(in_body(machine, MOUNTS, 0.0)));
+}
+
+/// Slow vibration of shaft, balls, rings and a body is that of the linear analysis, to 0.1 %.
+#[test]
+fn slow_vibration_with_a_housing_is_that_of_the_linear_analysis() {
+    for machine in [in_body(conservative(), MOUNTS, 0.0), in_seats(in_body(conservative(), MOUNTS, 0.0))] {
+        let deviation = deviation_of_frequencies(standing(machine), 14, 4);
+        assert!(deviation < 1e-3, "{deviation:e}");
+    }
+}
+
+/// Very stiff mounts, and a very stiff seat, are the ground.
+#[test]
+fn stiff_mounts_and_seats_are_the_ground() {
+    let ground = motor_spindle();
+    let expected = after(&ground, 1e-3, 5e-6);
+    let mut seats = ground.clone();
+    for bearing in &mut seats.rotor.bearings {
+        let stiffness = diagonal([1e12, 1e12, 1e12, 1e9, 1e9]);
+        bearing.seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, stiffness, damping: diagonal([10.0; 5]) };
+    }
+    for machine in [in_body(ground, [1e12, 1e12, 1e12, 1e11, 1e11], 300.0), seats] {
+        let found = after(&machine, 1e-3, 5e-6);
+        for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((found - expected).abs() < 2e-9, "{found:e} {expected:e}");
+        }
+    }
+}
+
+/// Fixed steps reach the motion of an integrator with error control, rings included.
+#[test]
+fn fixed_steps_of_a_housing_converge_to_the_motion() {
+    let machine = in_seats(in_body(motor_spindle(), MOUNTS, 300.0));
+    let (dynamics, state) = started(&machine);
+    let time = 1e-3;
+    let mut reference =
+        Method::DormandPrince.start(&dynamics, 0.0, &state, Tolerances::uniform(state.len(), 1e-8, 1e-12), None);
+    while reference.time() < time {
+        reference.step(time).unwrap();
+    }
+    let place = dynamics.coordinates(reference.state()).0;
+    let exact: Vec<[f64; 5]> = dynamics.frame.ports.iter().map(|port| port.of_place(place)).collect();
+    let error = |step: f64| {
+        let found = after(&machine, time, step);
+        let of =
+            |(found, exact): (&[f64; 5], &[f64; 5])| (0..3).map(|k| (found[k] - exact[k]).abs()).fold(0.0, f64::max);
+        found.iter().zip(&exact).map(of).fold(0.0, f64::max)
+    };
+    let [long, half] = [5e-6, 2.5e-6].map(error);
+    assert!(exact.len() == 4 && long < 1e-9 && half < 0.5 * long, "{long:e} {half:e}");
+}
+
+/// The mirror image of a machine in a housing moves as its mirror image.
+#[test]
+fn a_mirror_image_in_a_housing_moves_as_such() {
+    let mut machine = in_seats(in_body(motor_spindle(), MOUNTS, 300.0));
+    machine.rotor.load = [40.0, 100.0, -30.0];
+    machine.rotor.unbalances[0].at = 0.2;
+    let mut image = machine.clone();
+    image.rotor.load[0] = -40.0;
+    image.rotor.unbalances[0].at = 0.1;
+    image.rotor.housing.bodies[0].at = 0.18;
+    image.rotor.housing.mounts[0].at = 0.2;
+    for bearing in &mut image.rotor.bearings {
+        bearing.at = 0.3 - bearing.at;
+        bearing.mounted.faces = match bearing.mounted.faces {
+            Faces::PlusX => Faces::MinusX,
+            Faces::MinusX => Faces::PlusX,
+        };
+    }
+    let [one, other] = [&machine, &image].map(|machine| after(machine, 1e-3, 5e-6));
+    for (one, other) in one.iter().zip(&other) {
+        for ((value, mirrored), sign) in one.iter().zip(other).zip([-1.0, 1.0, 1.0, -1.0, -1.0]) {
+            assert!((value - sign * mirrored).abs() < 1e-11, "{one:?} {other:?}");
+        }
+        assert!(one[1].abs() > 1e-7 && one[0].abs() > 1e-7, "{one:?}");
+    }
+}
+
+/// Sensors on the body and between shaft and body show the linear response to unbalance, in one direction and with the mean of the statics.
+#[test]
+fn sensors_on_a_body_show_the_linear_response() {
+    let mut machine = in_body(motor_spindle(), MOUNTS, 300.0);
+    let sensor = |name: &str, on: Part, relative_to: Option<Part>| Sensor {
+        name: name.to_owned(),
+        on,
+        relative_to,
+        at: 0.2,
+        axis: 1,
+    };
+    let body = Part::Body(0);
+    machine.sensors =
+        vec![sensor("on", body, None), sensor("gap", Part::Shaft, Some(body)), sensor("back", body, Some(Part::Shaft))];
+    let settings = MachineSettings { settle: Some(0.1), duration: 0.1, step: None, range: RANGE, series: Vec::new() };
+    let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
+    let sensors = machine.sensors.clone();
+    let request = Request { elements: Elements::Auto, speeds: vec![machine.rotor.speed], modes: 4, sensors };
+    let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
+    let of = |name: &str| {
+        let channel = MachineChannel::parse(name, &machine).unwrap();
+        result.channels.iter().find(|(of, _)| *of == channel).map(|(_, metrics)| metrics.clone()).unwrap()
+    };
+    for (sensor, found) in linear.sensors.iter().zip(["on", "gap", "back"]) {
+        let seen = of(&format!("sensor.{found}.displacement"));
+        let (rms, mean) = (1e6 * sensor.response[0].norm() / 2.0_f64.sqrt(), 1e6 * sensor.at_rest);
+        assert!((seen.rms / rms - 1.0).abs() < 0.02, "{found}: {} µm, linear {rms} µm", seen.rms);
+        assert!((seen.mean / mean - 1.0).abs() < 0.01, "{found}: {} µm, static {mean} µm", seen.mean);
+    }
+    assert!((of("head.y.displacement").mean / (1e6 * linear.bodies[0].at_rest[1]) - 1.0).abs() < 0.01);
+}

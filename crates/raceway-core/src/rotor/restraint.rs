@@ -1,0 +1,71 @@
+//! Rigid motions of shaft, housing bodies and outer rings that nothing restrains.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::housing::HousingCoordinates;
+pub use super::housing::Owner;
+use super::input::Rotor;
+use super::springs::{between_rings, springs};
+use crate::physics::frame::support::PORT;
+
+/// Smallest stiffness of a motion that holds it, relative to those of the single displacements [-]: below it, rounding decides.
+const LEAST_STIFFNESS: f64 = 1e-12;
+/// Stiffness that stands for a loaded ball bearing [N/m]; only whether it holds a displacement matters.
+const OF_BEARING: f64 = 1e8;
+/// Share of the largest displacement from which on a body is named rather than the shaft [-].
+const NAMED: f64 = 0.1;
+
+/// A motion that nothing restrains, by what moves most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FreeMotion {
+    Shaft,
+    /// A body or an outer ring: displacement x, y, z, β_y or β_z.
+    Beside(Owner, usize),
+}
+
+/// A rigid motion without stiffness; `None` where springs and bearings may hold all. A ball bearing counts as if it held every displacement
+/// between its rings: whether it does shows at the operating point.
+pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
+    let (length, centre) = (rotor.shaft.length(), rotor.shaft.mass_centre());
+    let housing = HousingCoordinates::of(rotor, PORT);
+    // Displacements of a place of the shaft from those of its mass centre; tilts times the length are displacements.
+    let shaft = |at: f64| {
+        let arm = (at - centre) / length;
+        let mut rows = DMatrix::<f64>::zeros(PORT, housing.end());
+        rows.view_mut((0, 0), (PORT, PORT)).fill_with_identity();
+        (rows[(1, 4)], rows[(2, 3)]) = (arm, -arm);
+        (rows[(3, 3)], rows[(4, 4)]) = (1.0 / length, 1.0 / length);
+        rows
+    };
+    let mut stiffness = DMatrix::<f64>::zeros(housing.end(), housing.end());
+    for spring in springs(rotor, shaft, &housing) {
+        let of_port = DMatrix::from_fn(PORT, PORT, |row, column| spring.stiffness[row][column]);
+        stiffness += spring.rows.transpose() * of_port * &spring.rows;
+    }
+    for (index, bearing) in rotor.bearings.iter().enumerate() {
+        let radius = bearing.mounted.bearing.pitch_radius();
+        let squares = DVector::from_fn(PORT, |row, _| if row < 3 { 1.0 } else { radius * radius });
+        let rows = between_rings(rotor, index, shaft, &housing, 0.0);
+        stiffness += rows.transpose() * DMatrix::from_diagonal(&(squares * OF_BEARING)) * &rows;
+    }
+    let first = if rotor.shaft.is_axially_free { 0 } else { 1 };
+    let size = housing.end() - first;
+    let held = (0.5 * (&stiffness + stiffness.transpose())).view((first, first), (size, size)).into_owned();
+    // Each displacement by its own stiffness: soft mounts stand beside stiff seats.
+    let scales = DVector::from_fn(size, |k, _| if held[(k, k)] > 0.0 { held[(k, k)].sqrt().recip() } else { 1.0 });
+    let scaled = DMatrix::from_fn(size, size, |row, column| scales[row] * held[(row, column)] * scales[column]);
+    let eigen = SymmetricEigen::new(scaled);
+    let (least, value) = eigen.eigenvalues.argmin();
+    if value > LEAST_STIFFNESS {
+        return None;
+    }
+    let motion = eigen.eigenvectors.column(least);
+    let largest = motion.amax();
+    let named = (0..size).filter(|k| motion[*k].abs() > NAMED * largest);
+    let beside = named.filter_map(|k| housing.owner(k + first));
+    Some(
+        beside
+            .min_by_key(|(owner, _)| !matches!(owner, Owner::Body(_)))
+            .map_or(FreeMotion::Shaft, |(owner, displacement)| FreeMotion::Beside(owner, displacement)),
+    )
+}
