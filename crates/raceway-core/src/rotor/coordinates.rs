@@ -34,20 +34,16 @@ impl Coordinates {
             true => Some(modes(&mesh.axial, count, |_| along)?),
             false => None,
         };
-        if is_rigid {
-            let mut bending = FreeModes::of(&mesh.bending, 0).ok_or(RotorError::Singular)?;
-            if rotor.shaft.motion == ShaftMotion::Upright {
-                bending = bending.of_translation();
-            }
-            let polar = bending.projected(&mesh.polar);
-            return Ok(Self { mesh, axial, bending, is_rigid, polar });
-        }
-        let bending = modes(&mesh.bending, count, |modes| {
-            // Gyroscopic moments of the lower half of the modes, rotation included.
-            let turning = modes.shapes[1..].iter().take(count / 2);
-            across.extend(turning.map(|shape| mesh.polar.times(shape)));
-            across
-        })?;
+        let bending = match rotor.shaft.motion {
+            ShaftMotion::Bends => modes(&mesh.bending, count, |modes| {
+                // Gyroscopic moments of the lower half of the modes, rotation included.
+                let turning = modes.shapes[1..].iter().take(count / 2);
+                across.extend(turning.map(|shape| mesh.polar.times(shape)));
+                across
+            })?,
+            ShaftMotion::Rigid => FreeModes::of(&mesh.bending, 0).ok_or(RotorError::Singular)?,
+            ShaftMotion::Upright => FreeModes::of(&mesh.bending, 0).ok_or(RotorError::Singular)?.of_translation(),
+        };
         let polar = bending.projected(&mesh.polar);
         let of_shaft = axial.as_ref().map_or(0, FreeModes::len) + 2 * bending.len();
         Ok(Self { mesh, axial, bending, is_rigid, polar, housing: HousingCoordinates::of(rotor, of_shaft) })
