@@ -7,6 +7,7 @@ use crate::machine::result::MachineResult;
 use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::loads::{Load, LoadCourse, LoadDirection, Shock};
 use crate::rotor::input::PlacedLoad;
+use crate::simulation::model::state::SpindleState;
 
 fn settings(settle: f64, duration: f64, step: Option<f64>) -> MachineSettings {
     MachineSettings { settle: Some(settle), duration, step, range: RANGE, series: Vec::new() }
@@ -58,19 +59,25 @@ fn steps_that_dashpots_shorten_name_them() {
     assert!(matches!(rejected.cause, StepCause::Deviation { .. } | StepCause::Lost { .. }));
 }
 
-/// Loads beyond what the bearings carry: the run ends, and names the bearing and the load or the displacement.
+/// A ring that no ball can hold, and one that is nowhere: the error names the bearing, the displacement and the steps.
 #[test]
-fn a_load_beyond_the_bearings_names_the_cause() {
-    let mut machine = motor_spindle();
-    machine.rotor.loads = vec![in_the_middle(LoadCourse::Shock(Shock { peak: 1e6, at: 1e-3, duration: 2e-3 }))];
-    let error = simulate(&machine, &settings(0.0, 0.01, Some(2e-6)), &Control::until(&|| false)).unwrap_err();
-    assert!(
-        matches!(
-            &error,
-            MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Left { .. }, steps: StepsOfLoss::Selected(_), .. }
-        ),
-        "{error}"
-    );
-    let text = error.to_string();
-    assert!(text.contains("bearing A") || text.contains("bearing B"), "{text}");
+fn a_lost_ring_names_its_bearing() {
+    let (dynamics, _) = started(&motor_spindle());
+    let loss = |position| {
+        let ring = SpindleState { position, ..SpindleState::default() };
+        dynamics.bearings[0].loss_of_ring("A", &ring)
+    };
+    assert_eq!(loss([0.0; 3]), None);
+    assert_eq!(loss([0.0, f64::NAN, 0.0]), Some(Loss::NotFinite { bearing: "A".to_owned() }));
+    let cause = loss([0.0, 0.01, 0.0]).unwrap();
+    let text = |steps| MachineError::Lost { time: 0.25, cause: cause.clone(), steps }.to_string();
+    for (steps, begin) in [
+        (StepsOfLoss::AtStart, "in the equilibrium that the run starts from"),
+        (StepsOfLoss::Selected(2e-6), "at t = 0.250000 s in steps of 2.000 µs"),
+        (StepsOfLoss::DownTo(5e-7), "at t = 0.250000 s, in steps down to 0.500 µs"),
+    ] {
+        let text = text(steps);
+        assert!(text.starts_with(begin), "{text}");
+        assert!(text.contains("left bearing A: it is displaced radially by 10.000 mm"), "{text}");
+    }
 }
