@@ -117,7 +117,7 @@ pub struct DefectAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub impact_beside_middle_us: Option<f64>,
-    /// Load of a ball in the middle of the defect, on ideal raceways [N]; of inner raceway and balls, which turn through the load, the largest.
+    /// Load of a ball in the middle of the defect, on ideal raceways [N]; of raceways and balls that turn through the load, the largest.
     #[schema(minimum = 0)]
     pub ball_load_n: f64,
     /// True if the inner raceway presses a ball into the defect at some time. Outside the load zone, balls hardly feel a defect.
@@ -179,7 +179,10 @@ impl SurfacesAnswer {
         let mass = scene.bearing.ball_mass;
         let on_inner = inner.defects.iter().map(|recess| DefectAnswer::of(recess, mass, inner.load, inner.load));
         let on_outer = outer.defects.iter().map(|recess| {
-            let loads = ball_loads_at(&mechanism, scene, recess.defect.azimuth);
+            let loads = match scene.operation.rotation().outer_stands() {
+                true => ball_loads_at(&mechanism, scene, recess.defect.azimuth),
+                false => PerRaceway { inner: inner.load, outer: outer.load },
+            };
             DefectAnswer::of(recess, mass, loads.outer, loads.inner)
         });
         Some(Self {

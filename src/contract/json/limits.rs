@@ -48,7 +48,7 @@ const OF_A_JOB: [FieldLimits; 13] = [
 ];
 
 /// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 70] = [
+const OF_A_ROTOR: [FieldLimits; 71] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -70,6 +70,7 @@ const OF_A_ROTOR: [FieldLimits; 70] = [
     from("/scene/operation/radial_load_z_n", -1e7, 1e7, "N"),
     from("/scene/operation/axial_load_n", -1e7, 1e7, "N"),
     from("/scene/spindle/mass_kg", 1e-9, 1e6, "kg"),
+    from("/scene/spindle/centre_mm", 0.0, 20_000.0, "mm"),
     from("/scene/spindle/unbalance_g_mm", 0.0, 1e9, "g·mm"),
     from("/scene/spindle/balance_grade", 0.0, 5000.0, "mm/s"),
     from("/scene/spindle/transverse_inertia_kg_m2", 1e-12, 1e6, "kg m²"),

@@ -38,7 +38,9 @@ impl SpindleInput {
             ("axial_inertia_kg_m2", inertias.map(|inertia| inertia.axial)),
         ];
         for (name, value) in fields {
-            value.map(|value| defaults.check_of_rotor(&format!("{POINTER}/{name}"), value));
+            if let Some(value) = value {
+                defaults.check_of_rotor(&format!("{POINTER}/{name}"), value);
+            }
         }
         if inertias.is_some_and(|inertia| inertia.axial > 2.0 * inertia.transverse) {
             let detail = "at most twice the inertia about a diameter; a flat disc has twice";

@@ -19,7 +19,8 @@ use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::simulation::input::scene::{Scene, SceneParameters};
 
-/// The simulated system: bearing, spindle, lubricant and operation. Only `bearing` and `operation.speed_rpm` are required.
+/// The simulated system: bearing, spindle, lubricant and operation. Only `bearing` and `operation.speed_rpm` are required. A list `bearings` of one
+/// item, as in jobs of kind `machine`, may stand for `bearing`, `lubricant`, `damping` and `surfaces`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(example = json!({"bearing": "article-integrated", "operation": {"speed_rpm": 50000, "radial_load_y_n": 200}}))]

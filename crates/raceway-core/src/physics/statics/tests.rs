@@ -124,6 +124,20 @@ fn a_thrust_lifts_the_relieved_bearing() {
     assert_eq!(loaded(589.2 * 1.001), [1.0, 0.0]);
 }
 
+/// Stiffness knows the orbit speed alone: an outer ring that turns counts as an inner one with the same orbit. At rest both stand.
+#[test]
+fn outer_rings_that_turn_count_by_the_orbit() {
+    let angular = angular(STEEL);
+    let (ratio, bearing) = (crate::physics::kinematics::ideal_orbit_ratio(&angular), bearing());
+    let (inner, outer) = (6000.0 * RPM, -2500.0 * RPM);
+    let alike = (outer + ratio * (inner - outer)) / ratio;
+    let turning = under(&bearing.clone().with_outer_speed(outer), 200.0, inner).stiffness.mean[0][0];
+    let standing = under(&bearing, 200.0, alike).stiffness.mean[0][0];
+    assert!((turning / standing - 1.0).abs() < 1e-9, "{turning} {standing}");
+    let rest = bearing.clone().with_outer_speed(outer).under_thrust(200.0).unwrap();
+    assert_eq!(rest, bearing.under_thrust(200.0).unwrap());
+}
+
 /// A pose without symmetry, at speed.
 const SKEW: Pose = [4e-6, 9e-6, -6e-6, 0.3e-3, -0.2e-3];
 

@@ -153,14 +153,16 @@ fn missed_resonance(scene: &Scene, ideal: &Mechanism, settings: &RunSettings) ->
     Some(Warning::MissedResonance { resonance: resonance.frequency, band: (low, high), advised: resonance.band() })
 }
 
-/// Directions in which defects push the spindle: an outer one in the load zone along its azimuth, others, which turn through the load, along the
-/// load.
+/// Directions in which defects push the spindle: one of an outer ring that stands in the load zone along its azimuth, others, which turn through the
+/// load, along the load.
 fn struck_directions(scene: &Scene, ideal: &Mechanism) -> Vec<Vector> {
     let surfaces = &scene.surfaces;
-    let outer = surfaces.raceway.outer.defects.iter().filter(|defect| defect.depth > 0.0);
+    let stands = scene.operation.rotation().outer_stands();
+    let outer = surfaces.raceway.outer.defects.iter().filter(|defect| stands && defect.depth > 0.0);
     let in_zone = outer.filter(|defect| ball_loads_at(ideal, scene, defect.azimuth).inner > 0.0);
     let mut found: Vec<Vector> = in_zone.map(|defect| [0.0, defect.azimuth.cos(), defect.azimuth.sin()]).collect();
-    if surfaces.raceway.inner.has_defects() || surfaces.balls_have_defects() {
+    let outer_turns = !stands && surfaces.raceway.outer.has_defects();
+    if outer_turns || surfaces.raceway.inner.has_defects() || surfaces.balls_have_defects() {
         found.extend(equilibrium(ideal, scene.operating_speeds()).ok().map(|rest| rest.spindle));
     }
     found
