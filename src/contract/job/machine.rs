@@ -23,7 +23,6 @@ use crate::contract::json::problem::Refusal;
 use crate::contract::json::shapes::{object, optional_object, whole_number};
 use crate::contract::json::units::{DEG, US};
 use crate::contract::json::uploads::Uploads;
-use crate::contract::scene::outer_ring::OuterRingSeatName;
 use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput};
 use crate::contract::scene::scene_input::ResolvedScene;
 
@@ -133,7 +132,6 @@ impl MachineJob {
             defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
             machine = None;
         }
-        refuse_housing(&input.scene, defaults);
         let settings = settings(input, machine.as_ref(), defaults);
         let (submission, input, _) = draft.finish()?;
         // Without errors there is one.
@@ -158,19 +156,6 @@ impl MachineJob {
             }
         }
         job
-    }
-}
-
-/// Refuses what moves beside the shaft.
-fn refuse_housing(scene: &RotorSceneInput, defaults: &mut Defaults) {
-    const NOT_YET: &str = "not supported yet by jobs of kind `machine`; a `rotor` job takes it";
-    if scene.housing.is_some() {
-        defaults.refuse("/scene/housing", NOT_YET);
-    }
-    for (index, bearing) in scene.bearings.iter().flatten().enumerate() {
-        if bearing.outer_ring.as_ref().and_then(|ring| ring.seat).is_some_and(|seat| seat != OuterRingSeatName::Rigid) {
-            defaults.refuse(format!("/scene/bearings/{index}/outer_ring/seat"), NOT_YET);
-        }
     }
 }
 
