@@ -204,7 +204,7 @@ impl RotorSceneInput {
             }
         }
         let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
-        if outer_speed.largest() != 0.0 && bearings.iter().any(|bearing| bearing.rotor.moves_outer_ring()) {
+        if outer_speed.largest() != 0.0 && bearings.iter().any(|bearing| bearing.rotor.has_moving_outer_ring()) {
             let detail = "not supported yet for outer rings that move: give rigid seats on the ground";
             defaults.refuse(format!("{OPERATION}/outer_speed_rpm"), detail);
         }

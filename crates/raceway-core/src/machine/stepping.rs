@@ -131,7 +131,7 @@ impl Formulas {
 /// K is the stiffness of the bearings at the operating point, H the compliance of the coordinates at the new node.
 pub(super) fn stiffness_of_step(dynamics: &MachineDynamics, step: f64) -> f64 {
     let size = PORT * dynamics.bearings.len();
-    let places = Formulas::new(dynamics, step, NODES).places;
+    let places = between_rings(dynamics, &Formulas::new(dynamics, step, NODES).places);
     let mut product = vec![0.0; size * size];
     let Some(point) = dynamics.frame.system.operating.first() else { return 0.0 };
     for (index, (bearing, ring)) in dynamics.bearings.iter().zip(&point.rings).enumerate() {
@@ -140,6 +140,26 @@ pub(super) fn stiffness_of_step(dynamics: &MachineDynamics, step: f64) -> f64 {
     }
     let eigenvalues = DMatrix::from_row_slice(size, size, &product).complex_eigenvalues();
     eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
+/// A matrix over the ports of the rings as one over the displacements of the inner rings from the outer ones.
+fn between_rings(dynamics: &MachineDynamics, of_ports: &[f64]) -> Vec<f64> {
+    let frame = &dynamics.frame;
+    let (ports, size) = (PORT * frame.ports.len(), PORT * dynamics.bearings.len());
+    let signs = |bearing: usize| {
+        let outer = frame.outer[bearing].as_ref().map(|outer| (outer.port, -1.0));
+        [(bearing, 1.0)].into_iter().chain(outer)
+    };
+    let mut between = vec![0.0; size * size];
+    for (entry, sum) in between.iter_mut().enumerate() {
+        let (row, column) = (entry / size, entry % size);
+        for (port, sign) in signs(row / PORT) {
+            for (other, other_sign) in signs(column / PORT) {
+                *sum += sign * other_sign * of_ports[(PORT * port + row % PORT) * ports + PORT * other + column % PORT];
+            }
+        }
+    }
+    between
 }
 
 impl<'m> MachineStepper<'m> {

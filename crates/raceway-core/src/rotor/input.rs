@@ -28,13 +28,6 @@ pub struct RotorBearing {
     pub seat: Seat,
 }
 
-impl RotorBearing {
-    /// Returns true where the outer ring is not held by the ground alone.
-    pub fn moves_outer_ring(&self) -> bool {
-        self.on.is_some() || self.seat != Seat::Rigid
-    }
-}
-
 /// Seat of an outer ring in its body or in the ground.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seat {
