@@ -17,7 +17,7 @@ pub struct SpindleInput {
     pub mass_kg: Option<f64>,
     /// Place of the mass centre along X [mm], of a spindle on several bearings. Default: the middle between the first and the last of them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, example = 150.0)]
+    #[schema(nullable = false, minimum = 0, maximum = 20_000, example = 150.0)]
     pub centre_mm: Option<f64>,
     /// Mass times eccentricity [g·mm]. Either this or `balance_grade`. Default 0.
     #[schema(nullable = false)]

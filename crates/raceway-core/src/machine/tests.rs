@@ -283,7 +283,7 @@ fn a_stiff_shaft_moves_as_a_rigid_spindle() {
     stiff.rotor.shaft.material.elastic_modulus *= 1e6;
     // The bearings keep their contacts: they have a material of their own.
     let rigid_spindle = rigid(machine.clone(), true);
-    let request = Request { elements: Elements::Sections, speeds: vec![6000.0 * RPM], modes: 5 };
+    let request = Request { elements: Elements::Sections, speeds: vec![6000.0 * RPM], modes: 5, sensors: Vec::new() };
     let [one, other] = [&stiff, &rigid_spindle].map(|machine| analyse(&machine.rotor, &request, &|| false).unwrap());
     assert_eq!((one.operating_modes.len(), other.operating_modes.len()), (5, 5));
     for (a, b) in one.operating_modes.iter().zip(&other.operating_modes) {

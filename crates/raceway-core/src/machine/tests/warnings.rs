@@ -48,7 +48,7 @@ fn a_shock_after_the_verified_time_is_named() {
 fn steps_that_dashpots_shorten_name_them() {
     let mut machine = motor_spindle();
     let (stiffness, damping) = (diagonal([0.0; 5]), diagonal([0.0, 2e5, 2e5, 0.0, 0.0]));
-    machine.rotor.supports = vec![Support { at: 0.15, stiffness, damping }];
+    machine.rotor.supports = vec![Support { at: 0.15, on: None, stiffness, damping }];
     let found = run(&machine, &settings(0.0, 0.01, None)).warnings;
     let rejected = found.iter().find_map(|warning| match warning {
         MachineWarning::StepRejected(rejected) => Some(rejected.clone()),
@@ -65,7 +65,7 @@ fn a_lost_ring_names_its_bearing() {
     let (dynamics, _) = started(&motor_spindle());
     let loss = |position| {
         let ring = SpindleState { position, ..SpindleState::default() };
-        dynamics.bearings[0].loss_of_ring("A", &ring)
+        dynamics.bearings[0].loss_of_ring("A", (ring.position, ring.tilt))
     };
     assert_eq!(loss([0.0; 3]), None);
     assert_eq!(loss([0.0, f64::NAN, 0.0]), Some(Loss::NotFinite { bearing: "A".to_owned() }));

@@ -136,7 +136,9 @@ fn a_spring_preloads_both_bearings() {
     let mut rigid = preloaded();
     (rigid.load, rigid.gravity) = ([0.0; 3], 0.0);
     // A shaft that does not give along X.
-    [&mut sprung, &mut rigid].map(|rotor| rotor.shaft.material.elastic_modulus *= 1e4);
+    for rotor in [&mut sprung, &mut rigid] {
+        rotor.shaft.material.elastic_modulus *= 1e4;
+    }
     let [sprung, rigid] = [sprung, rigid].map(|rotor| at_rest(&rotor, 8));
     for (sprung, rigid) in sprung.supports.iter().zip(&rigid.supports) {
         assert!((sprung.at_rest[0] / rigid.at_rest[0] - 1.0).abs() < 1e-5, "{:?} {:?}", sprung.at_rest, rigid.at_rest);
