@@ -29,6 +29,7 @@ pub struct RotorBearing {
 }
 
 /// Seat of an outer ring in its body or in the ground.
+#[expect(clippy::large_enum_variant, reason = "a machine has eight seats at most, and they stay copies")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seat {
     /// The ring moves with its body, whose mass contains it.

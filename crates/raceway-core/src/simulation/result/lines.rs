@@ -352,7 +352,8 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         let is_near = usable(whirl) && (frequency - whirl.frequency).abs() <= tolerance;
         // Passing balls move spindle and cage round at their own rate.
         let is_passage = (whirl.frequency - passage.frequency).abs() <= tolerance;
-        is_near && !is_passage && !is_driven(whirl) && !(surfaces_drive && whirl.name == SPINDLE_WHIRL)
+        let of_surfaces = surfaces_drive && whirl.name == SPINDLE_WHIRL;
+        is_near && !(is_passage || of_surfaces || is_driven(whirl))
     };
     found.extend(whirls.into_iter().find(near).map(|whirl| [whirl.times(1), shaft, cage]));
     found
