@@ -92,7 +92,8 @@ fn metrics(scene: &Value, duration: f64) -> Metrics {
     simulated.metrics
 }
 
-/// A 6205 with both rings turning: cage and passages within 0.1 % of rolling on the outer ring, and all lines are multiples of
+/// A 6205 with both rings turning: cage and passages within 0.3 % of rolling on the outer ring, since drag acts
+/// on the orbit in space, and all lines are multiples of
 /// Z·FTF, at which the balls pass the load.
 #[test]
 fn passages_follow_the_relative_speed() {
@@ -114,7 +115,7 @@ fn passages_follow_the_relative_speed() {
             // The mean of all balls: those without load slip.
             ("BSF", at.ball_spin, ideal.ball_spin, 10.0 * ideal.ball_spin),
         ] {
-            assert!((found - expected).abs() <= 1e-3 * size, "{inner}, {outer}: {name} {found} for {expected} Hz");
+            assert!((found - expected).abs() <= 3e-3 * size, "{inner}, {outer}: {name} {found} for {expected} Hz");
         }
         let lines = found.lines.as_ref().unwrap();
         let passage = lines.iter().find(|line| line.label == "9·FTF").expect("a line at the passage");
