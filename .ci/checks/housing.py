@@ -99,7 +99,8 @@ def case_spring_preloads_both_bearings(running):
 
 
 def case_machine_meets_the_linear_analysis(running):
-    linear, seen = rotor(running, in_head()), machine(running, in_head())
+    # The speed of the run itself: the head resonates at 216 Hz, so that 100 r/min change its response by an eighth.
+    linear, seen = rotor(running, in_head(), speeds_rpm=[11000, 12000]), machine(running, in_head())
     natural = [mode["frequency_hz"] for mode in seen.get("natural_frequencies", [])]
     below = [value for value in frequencies(linear) if value > 0]
     worst = max((min((abs(one / value - 1) for one in natural), default=math.inf) for value in below), default=math.inf)
@@ -110,12 +111,9 @@ def case_machine_meets_the_linear_analysis(running):
     verdict(abs(mean / static - 1) < 0.02, f"the head sinks by {mean} µm, static {static} µm")
     for sensor in linear.get("sensors", []):
         channel = f"sensor.{sensor['name']}.displacement"
-        speeds = linear["speeds_rpm"]
-        at = min(range(len(speeds)), key=lambda index: abs(speeds[index] - 12000))
-        expected = sensor["displacement_um"][at] / math.sqrt(2)
+        expected = sensor["displacement_um"][linear["speeds_rpm"].index(12000)] / math.sqrt(2)
         rms = seen.get("channels", {}).get(channel, {}).get("rms", math.nan)
-        # 12 % on the head, 3 % relative to it: why the linear response is larger is not known.
-        verdict(abs(rms / expected - 1) < 0.15, f"{channel}: {rms:.4f} µm in time, {expected:.4f} µm linear")
+        verdict(abs(rms / expected - 1) < 0.05, f"{channel}: {rms:.4f} µm in time, {expected:.4f} µm linear")
 
 
 def case_stiff_seat_is_the_ground_in_time(running):
