@@ -87,23 +87,9 @@ fn stiff_mounts_and_seats_are_the_ground() {
 #[test]
 fn fixed_steps_of_a_housing_converge_to_the_motion() {
     let machine = in_seats(in_body(motor_spindle(), MOUNTS, 300.0));
-    let (dynamics, state) = started(&machine);
-    let time = 1e-3;
-    let mut reference =
-        Method::DormandPrince.start(&dynamics, 0.0, &state, Tolerances::uniform(state.len(), 1e-8, 1e-12), None);
-    while reference.time() < time {
-        reference.step(time).unwrap();
-    }
-    let place = dynamics.coordinates(reference.state()).0;
-    let exact: Vec<[f64; 5]> = dynamics.frame.ports.iter().map(|port| port.of_place(place)).collect();
-    let error = |step: f64| {
-        let found = after(&machine, time, step);
-        let of =
-            |(found, exact): (&[f64; 5], &[f64; 5])| (0..3).map(|k| (found[k] - exact[k]).abs()).fold(0.0, f64::max);
-        found.iter().zip(&exact).map(of).fold(0.0, f64::max)
-    };
-    let [long, half] = [5e-6, 2.5e-6].map(error);
-    assert!(exact.len() == 4 && long < 1e-9 && half < 0.5 * long, "{long:e} {half:e}");
+    assert_eq!(started(&machine).0.frame.ports.len(), 4);
+    let [long, half] = errors_of_steps(&machine, 0..3);
+    assert!(long < 1e-9 && half < 0.5 * long, "{long:e} {half:e}");
 }
 
 /// The mirror image of a machine in a housing moves as its mirror image.

@@ -45,7 +45,7 @@ const GOOD_FIT: f64 = 0.1;
 /// up to 0.15 bins: so did 16 lines of an inner spall of 0.6 mm of a 6205 under 500 N over 0.4 s.
 const DRIVEN_FIT: f64 = 0.5;
 /// Cost of a deviation at the edge of the tolerance, so that an exact sideband beats a simpler label that deviates. Lines of steady motions
-/// deviate by less than a hundredth of a bin, lines that the tables of lines named wrongly by a fifth and more.
+/// deviate by less than a hundredth of a bin. Of 11 scenes of a 6205, labels that named no cause of the scene were off by a fifth of a bin or more.
 const DEVIATION_COST: f64 = 6.0;
 /// Harmonics of a given wave of the inner raceway.
 const WAVE_HARMONICS: std::ops::RangeInclusive<i32> = 1..=2;
