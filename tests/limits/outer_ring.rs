@@ -127,8 +127,8 @@ fn passages_follow_the_relative_speed() {
     }
 }
 
-/// Waves of order 8 on the outer ring of nine balls move the spindle round at 8 (f_c − f_o) + f_c = f_o − BPFO, waves of order 10 at
-/// −10 (f_c − f_o) + f_c = BPFO + f_o: the ring turns faster than the cage.
+/// Waves of order 8 on the outer ring of nine balls move the spindle round at 8 (f_c − f_o) + f_c = f_o − BPFO. Those of order 10 do so at
+/// −10 (f_c − f_o) + f_c = BPFO + f_o. The ring turns faster than the cage.
 #[test]
 fn waves_of_a_turning_outer_ring_have_its_sidebands() {
     for (order, side) in [(8, -1.0), (10, 1.0)] {

@@ -39,7 +39,7 @@ pub struct MachineAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub is_stable: Option<bool>,
-    /// What was solved.
+    /// Coordinates and steps of the run.
     pub model: MachineModelAnswer,
     /// How far the levels can be trusted.
     pub accuracy: MachineAccuracyAnswer,

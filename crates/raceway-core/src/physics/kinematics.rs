@@ -177,9 +177,9 @@ impl LoadedBall {
         (-(cosine - self.ball_radius / self.orbit_radius), sine)
     }
 
-    /// Ratio of the orbit speed to the speed of the inner ring, relative to the outer one, for rolling at both contact centres,
-    /// 1/(1 + r_e cos(α_i − β)/(r_i cos(α_e − β))) with r_i = R − ½d cos α_i and r_e = R + ½d cos α_e [-]; `None` for a spin axis about
-    /// which a ball cannot roll on both raceways.
+    /// Ratio of the orbit speed to the speed of the inner ring, both relative to the outer one [-]. Balls roll at both contact centres:
+    /// 1/(1 + r_e cos(α_i − β)/(r_i cos(α_e − β))). Here r_i = R − ½d cos α_i and r_e = R + ½d cos α_e. `None` for a spin axis about which a
+    /// ball cannot roll on both raceways.
     #[inline]
     pub(crate) fn orbit_ratio(&self, spin: SpinAxis) -> Option<f64> {
         let PerRaceway { inner, outer } = self.angle;

@@ -1,5 +1,5 @@
-//! A bearing whose rings are moved from outside, by a shaft and a housing: rates and steps of balls and cage at a motion of the rings, and
-//! what they exert on them.
+//! A bearing whose rings are moved by a shaft and a housing. Rates and steps of balls and cage at a motion of the rings, and their loads on
+//! the rings.
 
 pub(crate) use super::equations::Rings;
 use super::equations::{Full, OnRings};
