@@ -235,10 +235,16 @@ impl MachineOutputsInput {
     }
 }
 
-/// The channel whose orders are analysed by default: the acceleration of the first sensor, or of the first bearing.
+/// The channel whose orders are analysed by default: the acceleration of the first sensor, bearing or body. A machine has one of them.
 fn usual_channel(machine: &Machine) -> String {
-    let of_sensor = machine.sensors.first().map(|_| MachineChannel::Sensor(0, Motion::Acceleration));
-    of_sensor.unwrap_or(MachineChannel::Ring(0, Axis::Y, Motion::Acceleration)).named(machine).to_string()
+    let channel = if !machine.sensors.is_empty() {
+        MachineChannel::Sensor(0, Motion::Acceleration)
+    } else if !machine.bearings.is_empty() {
+        MachineChannel::Ring(0, Axis::Y, Motion::Acceleration)
+    } else {
+        MachineChannel::Body(0, Axis::Y, Motion::Acceleration)
+    };
+    channel.named(machine).to_string()
 }
 
 /// The channels of these names. Errors are noted in `defaults`.
