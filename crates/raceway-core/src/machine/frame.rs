@@ -63,13 +63,13 @@ pub struct OuterPort {
 /// A matrix `constant` + Ω `by_speed`.
 #[derive(Debug, Clone)]
 struct Coupling {
-    constant: Rest,
-    by_speed: Rest,
+    constant: Columns,
+    by_speed: Columns,
 }
 
-/// Rows of a matrix, each from its first entry to its last one that is not zero.
+/// Columns of a square matrix, each from its first entry to its last one that is not zero.
 #[derive(Debug, Clone)]
-struct Rest(Vec<(usize, Vec<f64>)>);
+struct Columns(Vec<(usize, Vec<f64>)>);
 
 /// A place of the shaft, and the changes of its loads since the start.
 #[derive(Debug, Clone)]
@@ -121,12 +121,12 @@ impl Frame {
         });
         Ok(Self {
             velocity: Coupling {
-                constant: Rest::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
-                by_speed: Rest::of(&turned(system.gyroscopic())),
+                constant: Columns::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
+                by_speed: Columns::of(&turned(system.gyroscopic())),
             },
             place: Coupling {
-                constant: Rest::of(&turned(&(stiffness - symmetric))),
-                by_speed: Rest::of(&turned(system.rotating())),
+                constant: Columns::of(&turned(&(stiffness - symmetric))),
+                by_speed: Columns::of(&turned(system.rotating())),
             },
             ports: inner.chain(outer_rows).collect(),
             outer,
@@ -252,40 +252,34 @@ impl Coupling {
     }
 }
 
-impl Rest {
+impl Columns {
     fn of(matrix: &DMatrix<f64>) -> Self {
-        let row = |row: usize| {
-            let entries: Vec<f64> = matrix.row(row).iter().copied().collect();
+        let column = |column: usize| {
+            let entries: Vec<f64> = matrix.column(column).iter().copied().collect();
             let first = entries.iter().position(|entry| *entry != 0.0).unwrap_or_default();
             let end = entries.iter().rposition(|entry| *entry != 0.0).map_or(first, |last| last + 1);
             (first, entries[first..end].to_vec())
         };
-        Self((0..matrix.nrows()).map(row).collect())
+        Self((0..matrix.ncols()).map(column).collect())
     }
 
     /// Largest sum of the magnitudes in a row.
     fn largest_row(&self) -> f64 {
-        self.0.iter().map(|(_, row)| row.iter().map(|entry| entry.abs()).sum()).fold(0.0, f64::max)
+        let mut sums = vec![0.0; self.0.len()];
+        for (first, column) in &self.0 {
+            sums[*first..].iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry.abs());
+        }
+        sums.into_iter().fold(0.0, f64::max)
     }
 
+    /// Subtracts the product of a factor, the matrix and a vector. Sums over rows, one for each column, need no sum across lanes.
     #[inline(always)]
     fn subtract(&self, factor: f64, vector: &[f64], forces: &mut [f64]) {
-        for (force, (first, row)) in forces.iter_mut().zip(&self.0).filter(|(_, (_, row))| !row.is_empty()) {
-            *force -= factor * dot(row, &vector[*first..]);
+        for (value, (first, column)) in vector.iter().zip(&self.0).filter(|(_, (_, column))| !column.is_empty()) {
+            let by = factor * value;
+            forces[*first..].iter_mut().zip(column).for_each(|(force, entry)| *force -= by * entry);
         }
     }
-}
-
-/// Σ a b over the shorter length, in four sums side by side.
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    for (a, b) in a.chunks(4).zip(b.chunks(4)) {
-        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += a * b;
-        }
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 /// Ports of the outer rings that move, at their places along what carries them, and for each bearing whether it has one.

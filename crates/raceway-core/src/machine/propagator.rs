@@ -49,6 +49,36 @@ impl Propagator {
         }
         shares
     }
+
+    /// Advances places and velocities by a step, under forces at the nodes, newest first.
+    #[inline(always)]
+    pub fn advance(&self, place: &mut [f64], velocity: &mut [f64], forces: [&[f64]; NODES]) {
+        // Slices of one known length need no check in the loop.
+        let size = self.own.len();
+        let (place, velocity) = (&mut place[..size], &mut velocity[..size]);
+        let forces = forces.map(|forces| &forces[..size]);
+        let [to_place, to_velocity] =
+            [&self.place, &self.velocity].map(|shares| shares.each_ref().map(|of| &of[..size]));
+        let sum = |shares: &[&[f64]; NODES], k: usize| -> f64 {
+            (0..NODES).map(|node| shares[node][k] * forces[node][k]).sum()
+        };
+        for k in 0..size {
+            let ([by_place, by_velocity, back, own], q, v) = (self.own[k], place[k], velocity[k]);
+            place[k] = by_place * q + by_velocity * v + sum(&to_place, k);
+            velocity[k] = back * q + own * v + sum(&to_velocity, k);
+        }
+    }
+
+    /// Adds the effect of additional forces at the new node.
+    #[inline(always)]
+    pub fn add(&self, place: &mut [f64], velocity: &mut [f64], forces: &[f64]) {
+        for ((place, force), share) in place.iter_mut().zip(forces).zip(&self.place[0]) {
+            *place += share * force;
+        }
+        for ((velocity, force), share) in velocity.iter_mut().zip(forces).zip(&self.velocity[0]) {
+            *velocity += share * force;
+        }
+    }
 }
 
 /// Shares of the forces at the nodes 1, 0 and −1, by the moments of the powers 1, t, t².

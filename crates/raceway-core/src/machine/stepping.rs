@@ -92,8 +92,19 @@ pub(crate) struct MachineStepper<'m> {
     /// Number of valid nodes.
     known: usize,
     formulas: Formulas,
+    scratch: Scratch,
     evaluations: u64,
     instructions: InstructionSet,
+}
+
+/// Work space of a step.
+struct Scratch {
+    /// 1 + K H_q + C H_v over the ports, row by row, and the right side and solution of its equations [N, N m].
+    matrix: Vec<f64>,
+    change: Vec<f64>,
+    /// Over the coordinates: additional forces, and those without forces at ports that were extrapolated.
+    forces: Vec<f64>,
+    foreseen: Vec<f64>,
 }
 
 /// Constants of steps of one length through a number of known nodes.
@@ -165,7 +176,7 @@ fn between_rings(dynamics: &MachineDynamics, of_ports: &[f64]) -> Vec<f64> {
 impl<'m> MachineStepper<'m> {
     /// Starts at a state.
     pub(crate) fn new(dynamics: &'m MachineDynamics, time: f64, state: &[f64], length: StepLength) -> Self {
-        let size = dynamics.frame.len();
+        let (size, ports) = (dynamics.frame.len(), PORT * dynamics.frame.ports.len());
         let (place, velocity) = dynamics.coordinates(state);
         let ring = |(index, part): (usize, &[f64])| {
             RingStepper::new(
@@ -199,6 +210,12 @@ impl<'m> MachineStepper<'m> {
             past: std::array::from_fn(|_| forces.clone()),
             known: 1,
             formulas: Formulas::new(dynamics, length.longest, 1),
+            scratch: Scratch {
+                matrix: vec![0.0; ports * ports],
+                change: vec![0.0; ports],
+                forces: vec![0.0; size],
+                foreseen: vec![0.0; size],
+            },
             evaluations: 1,
             instructions: InstructionSet::best(),
             dynamics,
@@ -268,26 +285,21 @@ impl<'m> MachineStepper<'m> {
     #[inline(always)]
     fn advance_by(&mut self) {
         let end = self.time + self.step;
-        let Self { dynamics, formulas, past, .. } = self;
+        // The new node takes the place of the oldest one.
+        self.past.rotate_right(1);
+        let Self { dynamics, formulas, past: [new, now, before], scratch, place, velocity, .. } = self;
+        let Scratch { matrix, change, forces, foreseen } = scratch;
         let frame = &dynamics.frame;
-        let mut new = Forces::ahead(&formulas.ahead, past);
-        let nodes = [&new.sum, &past[0].sum, &past[1].sum];
         let propagator = &formulas.propagator;
-        for k in 0..frame.len() {
-            let ([by_place, by_velocity, back, own], q, v) = (propagator.own[k], self.place[k], self.velocity[k]);
-            let sum =
-                |shares: &[Vec<f64>; NODES]| -> f64 { (0..NODES).map(|node| shares[node][k] * nodes[node][k]).sum() };
-            self.place[k] = by_place * q + by_velocity * v + sum(&propagator.place);
-            self.velocity[k] = back * q + own * v + sum(&propagator.velocity);
-        }
+        new.extrapolate(&formulas.ahead, now, before);
+        propagator.advance(place, velocity, [&new.sum, &now.sum, &before.sum]);
 
         // Bearings at the predicted motion of their rings.
         let size = PORT * frame.ports.len();
-        let mut matrix = vec![0.0; size * size];
+        matrix.fill(0.0);
         (0..size).for_each(|k| matrix[k * size + k] = 1.0);
-        let mut change = vec![0.0; size];
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
-            let rings = dynamics.rings(index, &self.place, &self.velocity);
+            let rings = dynamics.rings(index, place, velocity);
             let bearing = &dynamics.bearings[index];
             let [inner, outer] = stepper.advance(end, self.step, rings);
             let of_outer = frame.outer[index].as_ref().map(|port| (port.port, outer));
@@ -298,47 +310,35 @@ impl<'m> MachineStepper<'m> {
                 }
                 let stiffness = bearing.mounted.along_shaft(&resistance.stiffness);
                 let damping = bearing.mounted.along_shaft(&resistance.damping);
-                add_product(&mut matrix, rows, &stiffness, &formulas.places);
-                add_product(&mut matrix, rows, &damping, &formulas.velocities);
+                add_product(matrix, rows, &stiffness, &formulas.places);
+                add_product(matrix, rows, &damping, &formulas.velocities);
             }
         }
-        solve(&mut matrix, &mut change);
-        new.ports.iter_mut().zip(&change).for_each(|(force, change)| *force += change);
-        let mut forces = vec![0.0; frame.len()];
-        add_port_forces(dynamics, &change, &mut forces);
-        self.add(&forces);
+        solve(matrix, change);
+        new.ports.iter_mut().zip(&*change).for_each(|(force, change)| *force += change);
+        forces.fill(0.0);
+        add_port_forces(dynamics, change, forces);
+        propagator.add(place, velocity, forces);
 
         // What couples coordinates, at the corrected motion.
-        let dynamics = self.dynamics;
-        dynamics.frame.forces(end, dynamics.speed.at(end), &self.place, &self.velocity, &mut forces);
-        let mut rest = forces.clone();
-        forces.iter_mut().zip(&new.rest).for_each(|(force, foreseen)| *force -= foreseen);
-        self.add(&forces);
-        std::mem::swap(&mut new.rest, &mut rest);
+        foreseen.copy_from_slice(&new.rest);
+        frame.forces(end, dynamics.speed.at(end), place, velocity, &mut new.rest);
+        for ((force, rest), foreseen) in forces.iter_mut().zip(&new.rest).zip(foreseen) {
+            *force = rest - *foreseen;
+        }
+        propagator.add(place, velocity, forces);
 
         new.add_up(dynamics);
         self.acceleration.copy_from_slice(&new.sum);
         for (k, acceleration) in self.acceleration.iter_mut().enumerate() {
-            *acceleration -= dynamics.frame.damping[k] * self.velocity[k] + dynamics.frame.squares[k] * self.place[k];
+            *acceleration -= frame.damping[k] * velocity[k] + frame.squares[k] * place[k];
         }
         self.bearings.iter_mut().for_each(RingStepper::finish);
-        self.past.rotate_right(1);
-        self.past[0] = new;
         self.time = end;
         self.evaluations += 1;
         if self.known < NODES {
             self.known += 1;
-            self.formulas = Formulas::new(dynamics, self.step, self.known);
-        }
-    }
-
-    /// Adds the effect of additional forces on the coordinates at the new node.
-    #[inline(always)]
-    fn add(&mut self, forces: &[f64]) {
-        let Propagator { place, velocity, .. } = &self.formulas.propagator;
-        for (k, force) in forces.iter().enumerate() {
-            self.place[k] += place[0][k] * force;
-            self.velocity[k] += velocity[0][k] * force;
+            self.formulas = Formulas::new(self.dynamics, self.step, self.known);
         }
     }
 
@@ -378,21 +378,17 @@ impl Task for Step<'_, '_> {
 }
 
 impl Forces {
-    /// The forces at the next node, on the polynomial through the known ones.
+    /// Replaces the forces of the oldest node by those at the next one, on the polynomial through all.
     #[inline(always)]
-    fn ahead(weights: &[f64; NODES], past: &[Self; NODES]) -> Self {
-        let combined = |[one, two, three]: [&Vec<f64>; NODES]| {
-            let mut next = vec![0.0; one.len()];
-            for (k, next) in next.iter_mut().enumerate() {
-                *next = weights[0] * one[k] + weights[1] * two[k] + weights[2] * three[k];
+    fn extrapolate(&mut self, weights: &[f64; NODES], now: &Self, before: &Self) {
+        let combine = |oldest: &mut [f64], now: &[f64], before: &[f64]| {
+            for ((oldest, now), before) in oldest.iter_mut().zip(now).zip(before) {
+                *oldest = weights[0] * now + weights[1] * before + weights[2] * *oldest;
             }
-            next
         };
-        Self {
-            ports: combined(past.each_ref().map(|node| &node.ports)),
-            rest: combined(past.each_ref().map(|node| &node.rest)),
-            sum: combined(past.each_ref().map(|node| &node.sum)),
-        }
+        combine(&mut self.ports, &now.ports, &before.ports);
+        combine(&mut self.rest, &now.rest, &before.rest);
+        combine(&mut self.sum, &now.sum, &before.sum);
     }
 
     /// Forms the sum. It is formed anew from the forces at the ports in each step, so that its rounding does not grow.

@@ -13,11 +13,13 @@ pub(crate) fn solve(matrix: &mut [f64], values: &mut [f64]) {
             values.swap(pivot, column);
         }
         let per_pivot = 1.0 / matrix[column * size + column];
-        for row in column + 1..size {
-            let factor = matrix[row * size + column] * per_pivot;
+        let (above, below) = matrix.split_at_mut((column + 1) * size);
+        let pivot_row = &above[column * size + column..];
+        for (row, entries) in below.chunks_exact_mut(size).enumerate() {
+            let factor = entries[column] * per_pivot;
             if factor != 0.0 {
-                (column..size).for_each(|k| matrix[row * size + k] -= factor * matrix[column * size + k]);
-                values[row] -= factor * values[column];
+                entries[column..].iter_mut().zip(pivot_row).for_each(|(entry, above)| *entry -= factor * above);
+                values[column + 1 + row] -= factor * values[column];
             }
         }
     }

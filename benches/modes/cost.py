@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Processor time of a step of machines: more bearings, and modes of a shaft, against one bearing on a rigid spindle.
+
+Usage: python3 benches/modes/cost.py --binary BINARY [--runs 5] [--csv FILE]
+
+All bearings are a 6205 on `full`, at 6000 r/min under 500 N, in steps of 5.5 µs. Runs take turns over the machines; the ratio to the first
+machine is formed in each turn. A step is one evaluation of every bearing, verification included. What a run needs before its first step is left
+out: the difference of a record of 0.5 s and one of 0.1 s, both repeated over 0.1 s.
+
+Only the standard library is needed.
+"""
+
+import argparse
+import csv
+import json
+import os
+import resource
+import statistics
+import subprocess
+
+SHAFT = {"sections": [{"length_mm": 300, "outer_diameter_mm": 25}],
+         "discs": [{"at_mm": 150, "mass_kg": 1.2, "transverse_inertia_kg_m2": 8e-4, "axial_inertia_kg_m2": 1.5e-3}]}
+SUPPORT = {"at_mm": 260, "stiffness_n_per_um": [0, 50, 50], "damping_n_s_per_m": [0, 200, 200]}
+
+
+def machine(places, shaft):
+    """A scene with bearings at these places."""
+    bearings = [{"name": f"B{index}", "bearing": "6205", "at_mm": at, "faces": "-x" if index % 2 else "+x"} for index, at in enumerate(places)]
+    scene = {"bearings": bearings, "operation": {"speed_rpm": 6000, "radial_load_y_n": 500}}
+    if shaft:
+        return scene | {"shaft": SHAFT} | ({"supports": [SUPPORT]} if len(places) == 1 else {})
+    return scene | {"spindle": {"mass_kg": 1.2, "centre_mm": 150, "tilt": "free" if len(places) > 1 else "held"}}
+
+
+EIGHT = [15, 45, 75, 105, 195, 225, 255, 285]
+MACHINES = {
+    "one bearing, rigid spindle": machine([150], False),
+    "two bearings, rigid spindle": machine([40, 260], False),
+    "eight bearings, rigid spindle": machine(EIGHT, False),
+    "one bearing and a support, flexible shaft": machine([40], True),
+    "two bearings, flexible shaft": machine([40, 260], True),
+    "eight bearings, flexible shaft": machine(EIGHT, True),
+}
+
+
+def timed(binary, scene, duration):
+    """Processor time [s], and the answer."""
+    job = {"kind": "machine", "scene": scene, "duration_s": duration, "settle_s": 0.05, "step_us": 5.5}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    done = subprocess.run([binary, "simulate", "-", "--quiet"], input=json.dumps(job), text=True, capture_output=True, check=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, json.loads(done.stdout)["model"]
+
+
+def step_time(binary, scene):
+    """Processor time of a step [µs], and the coordinates of the frame."""
+    (short, less), (long, more) = (timed(binary, scene, duration) for duration in (0.1, 0.5))
+    return 1e6 * (long - short) / (more["evaluations"] - less["evaluations"]), more["coordinates"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--binary", required=True)
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--csv")
+    options = parser.parse_args()
+    binary = os.path.abspath(options.binary)
+    times, coordinates = {name: [] for name in MACHINES}, {}
+    for _ in range(options.runs):
+        for name, scene in MACHINES.items():
+            time, coordinates[name] = step_time(binary, scene)
+            times[name].append(time)
+    first = times[next(iter(MACHINES))]
+    fields = ["machine", "coordinates", "step_us", "ratio", "least_ratio", "most_ratio"]
+    rows = []
+    for name, found in times.items():
+        ratios = [time / reference for time, reference in zip(found, first)]
+        row = (statistics.median(found), statistics.median(ratios), min(ratios), max(ratios))
+        rows.append([name, coordinates[name], *(f"{value:.2f}" for value in row)])
+    print("\n".join("| " + " | ".join(map(str, row)) + " |" for row in [fields, ["---"] * len(fields), *rows]))
+    if options.csv:
+        with open(options.csv, "w", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([fields, *rows])
+
+
+if __name__ == "__main__":
+    main()
