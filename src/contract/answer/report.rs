@@ -223,7 +223,7 @@ impl AccuracyAnswer {
                 .filter(|_| outputs.cage),
             orbit_radius_error: share(|errors| errors.orbit_radius, Quantity::CageOrbit).filter(|_| outputs.cage),
             max_slip_error: share(|errors| errors.max_slip, Quantity::Slip).filter(|_| outputs.contacts),
-            how: messages::how(&report.basis),
+            how: messages::how(report),
             motion: report.motion.map(MotionName::from),
             divergence_rate_per_s: report.motion.map(|_| report.divergence_rate),
         }

@@ -2,6 +2,7 @@
 
 use raceway_core::numerics::ode::{ChoiceReason, Method};
 use raceway_core::simulation::error::codes::{ErrorBasis, Refinement};
+use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::model_level::ModelLevel;
 use raceway_core::simulation::result::metrics::SolverReport;
 
@@ -30,8 +31,23 @@ pub fn check(solver: &SolverReport, basis: &ErrorBasis) -> String {
     }
 }
 
-/// How the errors were estimated, as one sentence.
-pub fn how(basis: &ErrorBasis) -> String {
+/// How the errors were estimated: one sentence, and a second one where levels change along the recorded time.
+pub fn how(accuracy: &AccuracyReport) -> String {
+    let of_basis = by_basis(&accuracy.basis);
+    let changing: Vec<String> = accuracy.changing.iter().map(|channel| channel.to_string()).collect();
+    match changing.as_slice() {
+        [] => of_basis,
+        [one] => {
+            format!("{of_basis} That of the level of {one} is its change along the recorded time, which is larger.")
+        }
+        [others @ .., last] => format!(
+            "{of_basis} Those of the levels of {} and {last} are their changes along the recorded time, which are larger.",
+            others.join(", ")
+        ),
+    }
+}
+
+fn by_basis(basis: &ErrorBasis) -> String {
     match basis {
         ErrorBasis::None => "No error is stated; see messages.".into(),
         ErrorBasis::Silence => "Nothing moves, so that there is no level to compare.".into(),

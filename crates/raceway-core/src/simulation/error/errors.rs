@@ -43,6 +43,11 @@ impl LevelErrors {
         Self(std::array::from_fn(|i| self.0[i].map(|error| error.max(least.0[i].unwrap_or(0.0)))))
     }
 
+    /// The channels whose error is larger than the other one.
+    pub(crate) fn larger_than(&self, other: &Self) -> Vec<Channel> {
+        ACCELERATIONS.into_iter().filter(|channel| self.of(*channel) > other.of(*channel)).collect()
+    }
+
     /// Applies a function to each known error.
     pub(crate) fn map(self, change: impl Fn(f64) -> f64) -> Self {
         Self(self.0.map(|error| error.map(&change)))

@@ -5,6 +5,7 @@ use crate::simulation::error::comparison::Deviation;
 use crate::simulation::error::errors::{LevelErrors, QuantityErrors};
 use crate::simulation::error::lyapunov::{DivergenceEstimate, MotionKind};
 use crate::simulation::error::thresholds::{WARNED_ERROR_DB, WARNED_ERROR_SHARE};
+use crate::simulation::input::channel::Channel;
 use crate::simulation::input::settings::Outputs;
 
 /// Accuracy of the result.
@@ -12,6 +13,8 @@ use crate::simulation::input::settings::Outputs;
 pub struct AccuracyReport {
     /// Estimated errors of the levels [dB].
     pub level_errors: LevelErrors,
+    /// Channels whose level error is the change of the level along the recorded time, because that is larger than what `basis` gives.
+    pub changing: Vec<Channel>,
     /// Estimated errors of single numbers; `None`: unknown.
     pub quantity_errors: Option<QuantityErrors>,
     /// Numbers whose slowest motion the verification does not cover. They state no error.

@@ -202,7 +202,9 @@ fn with_scatter(
         windows.scatter.of(channel).filter(|scatter| *scatter > NOTABLE_CHANGE_DB && !is_quiet(recording, channel))
     });
     let is_uneven = notable.worst().is_some();
-    report.level_errors = report.level_errors.raised_to(of_trend).raised_to(notable);
+    let estimated = report.level_errors;
+    report.level_errors = estimated.raised_to(of_trend).raised_to(notable);
+    report.changing = report.level_errors.larger_than(&estimated);
     if let (true, Some(errors), Some(halves)) = (is_uneven, report.quantity_errors, halves_deviation(&recording.parts))
     {
         report.quantity_errors = Some(errors.larger(&halves));
