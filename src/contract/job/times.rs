@@ -28,8 +28,8 @@ pub fn default_settle(scene: Option<&Scene>) -> f64 {
     turns.max(decayed)
 }
 
-/// Default recorded time after the settling time [s]: 20 ball passes, at least 0.1 s, up to the last point of a speed profile, as long again
-/// after the last change of a load, and 10 turns of the cage where a raceway is no circle, or balls or pockets differ.
+/// Default recorded time after the settling time [s]: 20 ball passes, and at least 0.1 s. A speed profile is recorded up to its last point, and a
+/// load as long again after its last change. Where a raceway is no circle, or balls or pockets differ, the cage turns ten times.
 pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
     let passes = scene.map_or(0.1, |scene| numbers::significant(representative_time(scene), 6));
     let speeds = scene.into_iter().flat_map(|scene| [&scene.operation.speed, &scene.operation.outer_speed]);

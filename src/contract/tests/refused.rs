@@ -343,3 +343,15 @@ fn a_shaft_alone_needs_a_sensor() {
     let body = format!(r#"{{"kind":"machine","scene":{scene},"outputs":{outputs}}}"#);
     check(&[(body, "/scene/sensors", "without ball bearings nothing else is recorded")]);
 }
+
+/// A body of a housing is recorded also where no bearing is, by default with its orders.
+#[test]
+fn a_housing_without_bearings_has_channels() {
+    let scene = r#"{"shaft":{"sections":[{"length_mm":300,"outer_diameter_mm":25}]},
+        "supports":[{"at_mm":0,"stiffness_n_per_um":[0,50,50],"tilt_n_m_per_mrad":[1,1]}],
+        "housing":{"bodies":[{"name":"frame","mass_kg":5,"at_mm":150}],"mounts":[{"body":"frame","stiffness_n_per_um":[9,9,9],"tilt_n_m_per_mrad":[1,1]}]},
+        "operation":{"speed_rpm":3000}}"#;
+    let outputs = r#"{"series":["A.y.acceleration"],"orders":{"tracks":["1"]}}"#;
+    let body = format!(r#"{{"kind":"machine","scene":{scene},"outputs":{outputs}}}"#);
+    check(&[(body, "/outputs/series/0", "frame.y.acceleration")]);
+}

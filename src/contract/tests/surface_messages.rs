@@ -55,6 +55,20 @@ fn a_band_without_the_resonance_has_a_message() {
     assert!(message(&resolved(inner, json!({})), "missed-resonance").is_some());
 }
 
+/// The load zone of 500 N along +Y is centred on 0°.
+#[test]
+fn a_defect_without_load_has_a_message() {
+    let spalls = |azimuths: &[f64]| {
+        let spalls = azimuths.iter().map(|azimuth| json!({ "azimuth_deg": azimuth, "length_mm": 1, "depth_um": 50 }));
+        json!({ "outer": { "defects": spalls.collect::<Vec<_>>() } })
+    };
+    let answer = resolved(spalls(&[0.0, 180.0, 170.0]), json!({}));
+    let found = message(&answer, "unloaded-defect").unwrap();
+    assert_eq!((&found["azimuth_deg"], &found["severity"]), (&json!(180.0), &json!("info")));
+    assert!(found["text"].as_str().unwrap().contains("like another one"), "{found}");
+    assert_eq!(message(&resolved(spalls(&[0.0]), json!({})), "unloaded-defect"), None);
+}
+
 /// A trough of amplitude A and order n is followed while A n² ≤ ½ ρ_x R². The drop of a spall of 1 mm is ρ_x/8 mm².
 #[test]
 fn troughs_that_a_ball_bridges_have_a_message() {

@@ -65,6 +65,8 @@ pub enum Severity {
 /// `missed-resonance`: The band of the envelope leaves out the resonance that a defect excites most. Set `outputs.envelope_band_hz` to the band that the
 /// text names.
 ///
+/// `unloaded-defect`: A defect of the outer raceway lies where no ball is pressed into it, and changes almost nothing. Move it into the load zone.
+///
 /// `bridged-troughs`: A ball cannot follow the troughs of waves, which the model supposes. Reduce their amplitude or order.
 ///
 /// `rough-contact`: The heights within a contact exceed its film, so that the surfaces touch, which is not modelled. Leave short waves out.
@@ -101,6 +103,7 @@ pub enum MessageCode {
     CageTransient,
     TiltTransient,
     MissedResonance,
+    UnloadedDefect,
     BridgedTroughs,
     RoughContact,
     WavesLeftOut,

@@ -175,6 +175,19 @@ pub fn of_warning(warning: &Warning) -> MessageAnswer {
             );
             (MessageCode::MissedResonance, text, numbers(&[("resonance_hz", *resonance)]))
         }
+        Warning::UnloadedDefect { azimuth, others } => {
+            let azimuth = significant(DEG.to_user(*azimuth), 4);
+            let also = match others {
+                0 => String::new(),
+                1 => ", like another one".to_owned(),
+                _ => format!(", like {others} others"),
+            };
+            let text = format!(
+                "The defect of the outer raceway at {azimuth}° lies outside the load zone{also}: no ball is pressed into it, and it changes almost \
+                 nothing. Move it to the direction of the load; azimuths count from +Y to +Z."
+            );
+            (MessageCode::UnloadedDefect, text, numbers(&[("azimuth_deg", azimuth)]))
+        }
         Warning::BridgedTroughs { part, order, amplitude, largest } => {
             let text = format!(
                 "Waves of {} are too steep: at order {order} the amplitude is {} nm, and a ball follows at most {} nm into the troughs. Reduce \

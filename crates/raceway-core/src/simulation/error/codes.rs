@@ -176,6 +176,8 @@ pub enum Warning {
     TiltTransient { settle: f64, required: f64 },
     /// The band of the envelope leaves out the resonance that a defect excites most; this band would hold it [Hz].
     MissedResonance { resonance: f64, band: (f64, f64), advised: (f64, f64) },
+    /// A defect of the outer raceway at this azimuth [rad], and `others`, where the inner raceway presses on no ball.
+    UnloadedDefect { azimuth: f64, others: usize },
     /// A ball cannot follow the troughs of waves; the most curved one has an amplitude above the largest that it follows [m].
     BridgedTroughs { part: SurfacePart, order: u32, amplitude: f64, largest: f64 },
     /// Heights within the contact on a raceway, rms, exceed the minimum film [m].
@@ -205,6 +207,7 @@ impl Warning {
             Self::LaterWindowFailed(_)
                 | Self::StationarityNotChecked { .. }
                 | Self::MissedResonance { .. }
+                | Self::UnloadedDefect { .. }
                 | Self::WavesLeftOut { .. }
         )
     }

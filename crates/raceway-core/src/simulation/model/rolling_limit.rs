@@ -14,8 +14,8 @@ pub(crate) fn end_of_step(mechanism: &Mechanism, time: f64, state: &[f64], stop:
     if steps > 1.0 { time + (stop - time) / steps } else { stop }
 }
 
-/// The time in which no ball rolls beyond the entry of a defect, or within a defect farther than a share of its contact, and in which loads change by a
-/// part of their course [s]; infinite without defects and under constant loads.
+/// The time in which no ball rolls beyond the entry of a defect, or within one farther than a share of its contact [s]. Loads change by a part
+/// of their course in it. It is infinite without defects and under constant loads.
 fn longest_step(mechanism: &Mechanism, time: f64, state: &[f64]) -> f64 {
     let of_loads = mechanism.varying_loads.as_ref().map_or(f64::INFINITY, |loads| loads.longest_step_from(time));
     if !mechanism.has_defects() {

@@ -1,5 +1,5 @@
-//! Limits of what a run can say about waves and defects, known before it: the envelope's band, troughs that a ball bridges, roughness beside the
-//! film, and lines that the spectra do not separate.
+//! Limits of what a run can say about waves and defects, known before it: the envelope's band, defects without load, troughs that a ball
+//! bridges, roughness beside the film, and lines that the spectra do not separate.
 
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::{FilmConditions, minimum_film_thickness};
@@ -37,6 +37,7 @@ pub fn surface_warnings(scene: &Scene, ideal: &Mechanism, settings: &RunSettings
     found.extend(waves_left_out(scene, &raceways, &balls));
     found.extend(merged_cage_lines(scene, settings));
     found.extend(missed_resonance(scene, ideal, settings));
+    found.extend(unloaded_defect(scene, ideal));
     found
 }
 
@@ -151,6 +152,17 @@ fn missed_resonance(scene: &Scene, ideal: &Mechanism, settings: &RunSettings) ->
     let mut excited = directions.iter().filter_map(|direction| excited_along(&resonances, *direction));
     let resonance = excited.find(|excited| !(low..=high).contains(&excited.frequency))?;
     Some(Warning::MissedResonance { resonance: resonance.frequency, band: (low, high), advised: resonance.band() })
+}
+
+/// Defects of a standing outer raceway that no ball is pressed into, under loads that do not change.
+fn unloaded_defect(scene: &Scene, ideal: &Mechanism) -> Option<Warning> {
+    if !scene.operation.rotation().outer_stands() || !scene.operation.is_steady() {
+        return None;
+    }
+    let defects = scene.surfaces.raceway.outer.defects.iter().filter(|defect| defect.depth > 0.0);
+    let mut unloaded = defects.filter(|defect| ball_loads_at(ideal, scene, defect.azimuth).inner == 0.0);
+    let azimuth = unloaded.next()?.azimuth;
+    Some(Warning::UnloadedDefect { azimuth, others: unloaded.count() })
 }
 
 /// Directions in which defects push the spindle: one of an outer ring that stands in the load zone along its azimuth, others, which turn through the
