@@ -18,9 +18,9 @@ use crate::article_run::{Y, patient};
 use crate::defects::{assert_near, line, motor, run};
 use crate::scenes::{article, changed, disturbed, everything, model_on, needs, rates, scene, uneven_balls};
 
-/// Largest changes of the energy of a ball over its elastic energy, and of its angular momentum about the ring's axis over that of a wave: a
-/// ball without damping and friction rolls for 6 ms over the outer raceway, with a wave of its own of order 6 and 50 nm. `lateral`: share of
-/// the lateral force that acts.
+/// A ball without damping and friction rolls for 6 ms over the outer raceway, with a wave of its own of order 6 and 50 nm. Returns the largest
+/// changes of its energy over its elastic energy, and of its angular momentum about the ring's axis over that of a wave. `lateral`: share
+/// of the lateral force that acts.
 fn lost(lateral: f64) -> (f64, f64) {
     const SPEED: f64 = 2058.0;
     const SPIN: f64 = -9600.0;
