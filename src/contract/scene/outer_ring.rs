@@ -44,7 +44,8 @@ pub struct OuterRingInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 0.0)]
     pub tilt_damping_n_m_s_per_rad: Option<f64>,
-    /// Force of the spring on a sliding ring at its place [N]. It loads the balls: it pushes the ring of a `+x` bearing along −X.
+    /// Force of the spring on a sliding ring at rest, under the weight without other loads [N]. It loads the balls: it pushes the ring of a `+x`
+    /// bearing along −X.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 150.0)]
     pub spring_force_n: Option<f64>,

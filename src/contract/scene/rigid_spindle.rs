@@ -10,6 +10,7 @@ use raceway_core::physics::defaults::spindle_inertia;
 use raceway_core::physics::frame::disc::UnbalancePlane;
 use raceway_core::physics::frame::shaft::{Shaft, ShaftMotion, SpindleBody};
 use raceway_core::physics::spindle::{AxialHold, SpindleTilt};
+use raceway_core::rotor::input::Seat;
 
 const POINTER: &str = "/scene/spindle";
 
@@ -25,7 +26,8 @@ impl SpindleInput {
         let usual = if bearings.len() > 1 { TiltInput::Free } else { TiltInput::Held };
         defaults.fill(format!("{POINTER}/tilt"), &mut self.tilt, usual);
         let mass: f64 = bearings.iter().map(|bearing| bearing.scene.scene.spindle.mass).sum();
-        let spindle = self.resolve(defaults, significant(mass, 12), axial_load != 0.0);
+        let has_spring = bearings.iter().any(|bearing| matches!(bearing.rotor.seat, Seat::Sliding { .. }));
+        let spindle = self.resolve(defaults, significant(mass, 12), axial_load != 0.0 || has_spring);
         let inertias = match spindle.tilt {
             SpindleTilt::Free(inertia) => Some(inertia),
             SpindleTilt::Held => None,

@@ -9,10 +9,10 @@ use super::housing::HousingInput;
 use super::lubricant::{LubricantChoice, LubricantInput};
 use super::names::check_body_name;
 use super::operation::{OperationInput, SpeedInput};
-use super::outer_ring::OuterRingInput;
+use super::outer_ring::{OuterRingInput, OuterRingSeatName};
 use super::scene_input::{ResolvedScene, SceneInput};
 use super::shaft::check_place;
-use super::surfaces::SurfacesInput;
+use super::surfaces::{SEED, SurfacesInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::short;
 use crate::contract::json::problem::FieldError;
@@ -54,7 +54,8 @@ pub struct RotorBearingInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<LubricantChoice>)]
     pub lubricant: Option<NameOr<String, LubricantInput>>,
-    /// Surfaces of raceways and balls. Default: ideal circles and equal balls. They do not matter to jobs of kind `rotor`.
+    /// Surfaces of raceways and balls. Default: ideal circles and equal balls. The seed of the first bearing is 1 by default, that of the next one 2,
+    /// so that drawn surfaces differ. They do not matter to jobs of kind `rotor`.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub surfaces: Option<SurfacesInput>,
@@ -102,7 +103,7 @@ pub fn resolve(
             defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another bearing", bearing.name));
         }
         check_place(defaults, (&at, "at_mm"), bearing.at_mm, length_mm);
-        let Some(one) = bearing.resolve(defaults, &at, housing) else { continue };
+        let Some(one) = bearing.resolve(defaults, (index, &at), housing) else { continue };
         let (place, width) = (one.rotor.at, one.scene.scene.bearing.parameters.width);
         let overlaps = |(other, of): &(f64, f64)| (other - place).abs() < 0.5 * (of + width) * (1.0 - 1e-9);
         if widths.iter().any(overlaps) {
@@ -116,17 +117,27 @@ pub fn resolve(
 }
 
 impl RotorBearingInput {
-    /// The bearing; `None` after errors.
+    /// Whether a spring presses on its outer ring.
+    pub(super) fn has_spring(&self) -> bool {
+        self.outer_ring.as_ref().is_some_and(|ring| ring.seat == Some(OuterRingSeatName::Sliding))
+    }
+
+    /// The bearing at this place of the list; `None` after errors.
     fn resolve(
         &mut self,
         defaults: &mut Defaults,
-        at: &str,
+        (index, at): (usize, &str),
         housing: Option<&HousingInput>,
     ) -> Option<ResolvedBearing> {
         let faces = match defaults.fill(format!("{at}/faces"), &mut self.faces, FacesName::PlusX) {
             FacesName::PlusX => Faces::PlusX,
             FacesName::MinusX => Faces::MinusX,
         };
+        let mut surfaces = self.surfaces.clone();
+        if let Some(surfaces) = &mut surfaces {
+            // Equal surfaces of two bearings would excite the shaft in step.
+            surfaces.seed.get_or_insert(SEED + index as u64);
+        }
         // The scene of this bearing alone checks and fills its fields.
         let alone = SceneInput {
             bearing: self.bearing.clone(),
@@ -143,7 +154,7 @@ impl RotorBearingInput {
             spindle: None,
             lubricant: self.lubricant.clone(),
             damping: self.damping.clone(),
-            surfaces: self.surfaces.clone(),
+            surfaces,
             terms: None,
             gravity_m_s2: None,
         };

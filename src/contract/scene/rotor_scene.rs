@@ -187,7 +187,8 @@ impl RotorSceneInput {
         let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
         defaults.check_of_rotor("/scene/gravity_m_s2", gravity);
         let length_mm = self.length_mm();
-        let shaft = self.shaft.as_mut().map(|shaft| shaft.resolve(defaults, load[0]));
+        let has_spring = self.bearings.iter().flatten().any(RotorBearingInput::has_spring);
+        let shaft = self.shaft.as_mut().map(|shaft| shaft.resolve(defaults, load[0], has_spring));
         let housing = self.housing.as_mut().map(|housing| housing.resolve(defaults)).unwrap_or_default();
         let in_housing = self.housing.as_ref();
         let supports = self.supports.as_mut();

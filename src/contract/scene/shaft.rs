@@ -45,7 +45,8 @@ pub struct ShaftInput {
     /// Share of this damping that turns with the shaft [-]. It drives forward whirl above a threshold speed. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub rotating_share: Option<f64>,
-    /// Whether the shaft may move and vibrate along X. Default: `free` with an axial load, else `fixed`.
+    /// Whether the shaft may move and vibrate along X. Default: `free` with an axial load or a sliding outer ring, whose spring reaches the other
+    /// bearings through the shaft; else `fixed`.
     #[schema(nullable = false)]
     pub axial: Option<ShaftAxial>,
     /// Elements of the calculation. Default `auto`.
@@ -128,8 +129,13 @@ impl From<ElementsName> for Elements {
 }
 
 impl ShaftInput {
-    /// The shaft and its unbalance planes in SI. Errors are noted in `defaults`.
-    pub fn resolve(&mut self, defaults: &mut Defaults, axial_load: f64) -> (Shaft, Vec<UnbalancePlane>) {
+    /// The shaft and its unbalance planes in SI. `has_spring`: a spring presses on an outer ring. Errors are noted in `defaults`.
+    pub fn resolve(
+        &mut self,
+        defaults: &mut Defaults,
+        axial_load: f64,
+        has_spring: bool,
+    ) -> (Shaft, Vec<UnbalancePlane>) {
         let material = self.material(defaults);
         let sections = self.sections(defaults);
         let length_mm: f64 = self.sections.iter().map(|section| section.length_mm).sum();
@@ -139,7 +145,7 @@ impl ShaftInput {
         defaults.check_of_rotor(&format!("{POINTER}/damping_ratio"), damping);
         let share = defaults.fill(format!("{POINTER}/rotating_share"), &mut self.rotating_share, 0.0);
         defaults.check_of_rotor(&format!("{POINTER}/rotating_share"), share);
-        let usual = if axial_load == 0.0 { ShaftAxial::Fixed } else { ShaftAxial::Free };
+        let usual = if axial_load != 0.0 || has_spring { ShaftAxial::Free } else { ShaftAxial::Fixed };
         let axial = defaults.fill(format!("{POINTER}/axial"), &mut self.axial, usual);
         if axial == ShaftAxial::Fixed && axial_load != 0.0 {
             defaults.refuse(format!("{POINTER}/axial"), "`fixed` takes no axial load: give `free`");

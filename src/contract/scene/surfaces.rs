@@ -23,7 +23,7 @@ use raceway_core::physics::surface::waviness::{RacewaySurface, RandomWaviness, S
 const AT_ORDER: u32 = 10;
 const EXPONENT: f64 = 1.0;
 const FROM_ORDER: u32 = 2;
-const SEED: u64 = 1;
+pub(super) const SEED: u64 = 1;
 
 /// Surfaces of the raceways, which are ideal circles by default, and of the balls, which are alike by default.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -133,3 +133,39 @@ fn wrong_spindles_are_named() {
     both["scene"].as_object_mut().unwrap().remove("spindle");
     assert!(parsed(&both).is_ok());
 }
+
+/// A spring on a sliding ring reaches the other bearing through the shaft, which is then free along X unless it is fixed.
+#[test]
+fn a_spring_frees_the_shaft_along_its_axis() {
+    for body in ["shaft", "spindle"] {
+        let mut job = machine("rotor", json!({}));
+        let scene = &mut job["scene"];
+        if body == "shaft" {
+            scene["shaft"] = json!({ "sections": [{ "length_mm": 300, "outer_diameter_mm": 25 }] });
+            scene.as_object_mut().unwrap().remove("spindle");
+        }
+        let axial = |job: &Value| parsed(job).unwrap().scene_json()[body]["axial"].clone();
+        assert_eq!(axial(&job), "fixed");
+        job["scene"].as_object_mut().unwrap().remove("preloads");
+        job["scene"]["bearings"][1]["outer_ring"] = json!({ "seat": "sliding", "spring_force_n": 150 });
+        assert_eq!(axial(&job), "free");
+        job["scene"][body]["axial"] = json!("fixed");
+        assert_eq!(axial(&job), "fixed");
+    }
+}
+
+/// Each bearing draws its own surfaces; a given seed stays.
+#[test]
+fn drawn_surfaces_of_bearings_differ() {
+    let mut job = machine("machine", json!({}));
+    for bearing in 0..2 {
+        job["scene"]["bearings"][bearing]["surfaces"] = json!({ "preset": "standard" });
+    }
+    let seeds = |job: &Value| {
+        let scene = parsed(job).unwrap().scene_json().clone();
+        [0, 1].map(|bearing| scene["bearings"][bearing]["surfaces"]["seed"].as_u64().unwrap())
+    };
+    assert_eq!(seeds(&job), [1, 2]);
+    job["scene"]["bearings"][1]["surfaces"]["seed"] = json!(1);
+    assert_eq!(seeds(&job), [1, 1]);
+}

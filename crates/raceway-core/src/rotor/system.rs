@@ -64,10 +64,12 @@ impl System {
         let mut stiffness = DMatrix::from_diagonal(&squares);
         let mut damping = DMatrix::from_diagonal(&own_damping);
         let mut push = DVector::zeros(size);
-        let mut linear = Vec::new();
+        let (mut linear, mut pushing) = (Vec::new(), Vec::new());
         for spring in springs(rotor, shaft, &coordinates.housing) {
+            let along = spring.rows.row(0).transpose();
             if spring.push != 0.0 {
-                push += spring.rows.row(0).transpose() * spring.push;
+                push += &along * spring.push;
+                pushing.push((along, spring.stiffness[0][0]));
             }
             let port = Port {
                 rows: spring.rows,
@@ -96,11 +98,32 @@ impl System {
             gyroscopic,
             rotating,
         };
+        system.preload(rotor, &pushing)?;
         system.add_bearings(rotor)?;
         if rotor.bearings.iter().any(RotorBearing::has_moving_outer_ring) {
             system.follow_inner_rings(rotor)?;
         }
         Ok(system)
+    }
+
+    /// Gives springs their force where the rings are at rest under it and the weight. `pushing`: displacements along the axis of the springs that
+    /// push, over the coordinates, and their stiffness [N/m].
+    fn preload(&mut self, rotor: &Rotor, pushing: &[(DVector<f64>, f64)]) -> Result<(), RotorError> {
+        if pushing.iter().all(|(_, stiffness)| *stiffness == 0.0) {
+            return Ok(());
+        }
+        let mut constant = self.linear[0].clone();
+        for (along, stiffness) in pushing {
+            constant -= along * along.transpose() * *stiffness;
+        }
+        let rows: Vec<DMatrix<f64>> = self.bearings.iter().map(|port| port.rows.clone()).collect();
+        let load = self.weight(rotor) + &self.push;
+        let frame = Frame { stiffness: &constant, load: &load, ports: &rows };
+        let rest = operating_point(&frame, rotor, 0.0, None)?.coordinates;
+        for (along, stiffness) in pushing {
+            self.push += along * (stiffness * along.dot(&rest));
+        }
+        Ok(())
     }
 
     /// Carries outer rings to the places of their inner rings at the first equilibrium: a preload moves these along the axis, and the lever of a body
@@ -150,18 +173,22 @@ impl System {
         Ok(())
     }
 
+    /// Weight over the coordinates.
+    fn weight(&self, rotor: &Rotor) -> DVector<f64> {
+        let mut sum = DVector::from_vec(self.coordinates.weight(rotor.shaft.mass() * rotor.gravity));
+        for (coordinate, weight) in self.coordinates.housing.weights() {
+            sum[coordinate] += weight * rotor.gravity;
+        }
+        sum
+    }
+
     /// Weight, loads at the start and pushing springs over the coordinates.
     pub fn load(&self, rotor: &Rotor) -> DVector<f64> {
-        let weight = self.coordinates.weight(rotor.shaft.mass() * rotor.gravity);
         let load = self.coordinates.force(rotor.shaft.mass_centre(), rotor.load);
-        let mut sum =
-            DVector::from_iterator(weight.len(), weight.iter().zip(&load).map(|(weight, load)| weight + load));
+        let mut sum = self.weight(rotor) + DVector::from_vec(load);
         for load in &rotor.loads {
             let port = self.coordinates.port(self.coordinates.mesh.node(load.at));
             sum += port.transpose() * DVector::from_row_slice(&load.start_and_largest_change().0);
-        }
-        for (coordinate, weight) in self.coordinates.housing.weights() {
-            sum[coordinate] += weight * rotor.gravity;
         }
         if self.push != DVector::zeros(sum.len()) {
             sum += &self.push;
