@@ -211,8 +211,8 @@ pub struct PocketAnswer {
 pub struct KinematicsAnswer {
     /// Speed of the cage about the bearing's axis [Hz].
     pub cage_speed_hz: f64,
-    /// 1 − cage speed / speed of rolling at the loaded contact angles [-]. Positive: the cage lags, as it does when balls skid. Small
-    /// negative values are no skidding: conformity and spin in the contacts raise the cage speed. The speed of rolling is the mean over
+    /// 1 − cage speed / speed of rolling at the loaded contact angles [-], both as seen from the ring that turns more slowly. Positive: the
+    /// cage lags, as it does when balls skid. Small negative values are no skidding: conformity and spin in the contacts raise the cage speed. The speed of rolling is the mean over
     /// time and the balls that touch both raceways, weighted by their outer load, at their simulated angles and spin axes. Absent at rest,
     /// and where on average fewer than a tenth of the balls carry load.
     #[serde(skip_serializing_if = "Option::is_none")]

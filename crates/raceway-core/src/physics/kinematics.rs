@@ -99,6 +99,13 @@ pub(crate) fn rolling_frequencies(
     .frequencies(bearing)
 }
 
+/// Slip of a cage [-] from speeds of the cage and the other ring relative to one ring, magnitudes in the same unit, and the ratio of both in
+/// rolling; `None` where the rings do not turn relative to each other.
+pub fn cage_slip(cage_speed: f64, ring_speed: f64, ratio: f64) -> Option<f64> {
+    let ideal = ring_speed * ratio;
+    (ideal > 0.0).then(|| 1.0 - cage_speed / ideal)
+}
+
 /// Speeds of the bodies of a bearing in one unit, magnitudes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BodySpeeds {
@@ -123,6 +130,16 @@ impl BodySpeeds {
             relative: rings.relative().abs(),
             relative_cage: (cage - rings.outer).abs(),
             ball_spin,
+        }
+    }
+
+    /// Slip of the cage [-] against rolling of an orbit ratio, as seen from the ring that turns more slowly: positive where drag holds the cage
+    /// back. `None` where the rings do not turn relative to each other.
+    pub fn cage_slip(&self, orbit_ratio: f64) -> Option<f64> {
+        if self.outer_ring <= self.shaft {
+            cage_slip(self.relative_cage, self.relative, orbit_ratio)
+        } else {
+            cage_slip(self.relative - self.relative_cage, self.relative, 1.0 - orbit_ratio)
         }
     }
 
@@ -223,6 +240,20 @@ mod tests {
         ] {
             assert!((value - expected).abs() < 0.051, "{value} against {expected}");
         }
+    }
+
+    /// A cage 1 % slower than its balls roll it has a positive slip, whichever ring turns: of the speed relative to the slower ring.
+    #[test]
+    fn a_held_cage_lags_whichever_ring_turns() {
+        let ratio = ideal_orbit_ratio(&article_bearing());
+        for (inner, outer) in [(100.0, 0.0), (0.0, 100.0), (-100.0, 0.0), (100.0, 50.0), (50.0, 100.0)] {
+            let rings = RingSpeeds { inner, outer };
+            let (ideal, slower) = (rings.carried(ratio), if outer < inner.abs() { outer } else { inner });
+            let held = BodySpeeds::new(rings, 0.99 * ideal, 0.0).cage_slip(ratio).unwrap();
+            let expected = 0.01 * ideal / (ideal - slower);
+            assert!((held - expected).abs() < 1e-12 && held > 0.0, "{inner} {outer}: {held} against {expected}");
+        }
+        assert_eq!(BodySpeeds::new(RingSpeeds { inner: 3.0, outer: 3.0 }, 3.0, 0.0).cage_slip(ratio), None);
     }
 
     /// 6205-like rolling by hand, γ of the article's bearing: counter-rotating rings with the cage at rest, and rings that turn together.

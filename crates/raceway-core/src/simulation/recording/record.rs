@@ -47,13 +47,6 @@ pub struct Quantities {
     pub cage_slip: Option<f64>,
 }
 
-/// Slip of a cage [-] from mean speeds of cage and shaft relative to the outer ring, magnitudes in the same unit, and the orbit ratio of
-/// rolling; `None` where the rings do not turn relative to each other.
-pub fn cage_slip(cage_speed: f64, shaft_speed: f64, orbit_ratio: f64) -> Option<f64> {
-    let ideal = shaft_speed * orbit_ratio;
-    (ideal > 0.0).then(|| 1.0 - cage_speed / ideal)
-}
-
 /// The recording of a run [SI].
 #[derive(Debug, Clone)]
 pub struct Recording {
@@ -147,7 +140,7 @@ impl Recording {
     /// Slip of the cage against rolling at the loaded contact angles [-]; `None` at rest, where too few balls carry load, and where it was not
     /// requested.
     pub fn cage_slip(&self) -> Option<f64> {
-        cage_slip(self.speeds.relative_cage, self.speeds.relative, self.loaded_orbit_ratio?)
+        self.speeds.cage_slip(self.loaded_orbit_ratio?)
     }
 
     /// Scalar results over the whole recorded time.

@@ -18,7 +18,7 @@ use crate::simulation::model::Mechanism;
 use crate::simulation::model::contact_resonance::ContactResonance;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::off_raceway::OffShare;
-use crate::simulation::recording::record::{ContactExtremes, Recording, cage_slip};
+use crate::simulation::recording::record::{ContactExtremes, Recording};
 use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::{InBand, Whirl};
@@ -210,7 +210,7 @@ pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
     Some(CageMetrics {
         speed: turns(speeds.cage),
         slip: recording.cage_slip().filter(|_| has_ideal),
-        slip_free_angle: cage_slip(speeds.relative_cage, speeds.relative, free_angle).filter(|_| has_ideal),
+        slip_free_angle: speeds.cage_slip(free_angle).filter(|_| has_ideal),
         ball_spin: turns(speeds.ball_spin),
         orbit_radius: 1e6 * orbit_radius,
         whirl_ratio: recording

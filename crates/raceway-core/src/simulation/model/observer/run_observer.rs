@@ -19,7 +19,7 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::recording::ball_tracks::BallTracks;
 use crate::simulation::recording::load_course::BallLoadRecorder;
 use crate::simulation::recording::loaded_rolling::LoadedRolling;
-use crate::simulation::recording::record::{Quantities, Recording, cage_slip};
+use crate::simulation::recording::record::{Quantities, Recording};
 use crate::simulation::recording::sampling::kept_values;
 use crate::simulation::recording::sampling::picked_channels;
 use crate::simulation::recording::sampling::{PART, RATE};
@@ -420,7 +420,6 @@ impl<'m> Observer<'m> {
         self.rolling.join(cage.rolling);
         let rings = RingSpeeds { inner: cage.shaft.mean(), outer: cage.outer_ring.mean() };
         let speeds = BodySpeeds::new(rings, cage.speed.mean(), 0.0);
-        let slip = |orbit_ratio| cage_slip(speeds.relative_cage, speeds.relative, orbit_ratio);
         self.parts.push(Quantities {
             max_load: peaks.load,
             cage_speed: speeds.cage,
@@ -428,7 +427,7 @@ impl<'m> Observer<'m> {
             max_pocket_load: peaks.pocket_load,
             max_slip: peaks.slip_square.map(|square| square.sqrt()),
             orbit_radius: (cage.y.variance() + cage.z.variance()).sqrt(),
-            cage_slip: cage.rolling.mean().and_then(slip),
+            cage_slip: cage.rolling.mean().and_then(|orbit_ratio| speeds.cage_slip(orbit_ratio)),
         });
     }
 
