@@ -98,7 +98,7 @@ pub struct MachineBearingAnswer {
     pub ball_pass_inner_hz: f64,
     /// BSF: turns of a ball [Hz].
     pub ball_spin_hz: f64,
-    /// 1 − cage speed over that of ideal rolling without contact angle [-]; absent at rest.
+    /// 1 − cage speed over that of ideal rolling at the free contact angle [-], both as seen from the ring that turns more slowly; absent at rest.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage_slip: Option<f64>,

@@ -11,14 +11,25 @@ pub enum MachineWarning {
     StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
     /// A level rises or falls throughout the recorded time [dB].
     NotStationary { channel: MachineChannel, change_db: f64 },
-    /// Half steps still change a level by more than is allowed [dB]. `is_selected`: the request selected the step [s].
-    Uncertain { channel: MachineChannel, error_db: f64, allowed_db: f64, step: f64, is_selected: bool },
+    /// Half steps still change a level by more than is allowed [dB].
+    Uncertain { channel: MachineChannel, error_db: f64, allowed_db: f64, step: f64, last: LastStep },
     /// Only a first window [s] was repeated, and something changes after it. Half steps of `step` [s] would show the error.
     PartlyVerified { window: f64, change: LaterChange, step: f64 },
     /// The largest pressure in a bearing [Pa] deforms its raceways permanently.
     Overloaded { bearing: usize, load: f64, pressure: f64 },
     /// Longer steps were tried and rejected.
     StepRejected(RejectedStep),
+}
+
+/// Reason why no shorter step was tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LastStep {
+    /// The request selected the step.
+    Selected,
+    /// The step is the shortest.
+    Shortest,
+    /// Twice this step had no larger error: the motion is irregular, and both levels are samples of it.
+    Irregular,
 }
 
 /// Change after the verified time.

@@ -14,7 +14,6 @@ use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::error::stationarity::trend_of;
 use crate::simulation::input::settings::ENVELOPE_BAND;
 use crate::simulation::recording::bands::Band;
-use crate::simulation::recording::record::cage_slip;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
@@ -151,8 +150,7 @@ fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRe
         BearingMetrics {
             record: *record,
             frequencies: speeds.in_turns().frequencies(geometry),
-            cage_slip: cage_slip(speeds.relative_cage, speeds.relative, ideal_orbit_ratio(geometry))
-                .filter(|_| !rotation.reverses()),
+            cage_slip: speeds.cage_slip(ideal_orbit_ratio(geometry)).filter(|_| !rotation.reverses()),
         }
     };
     machine.bearings.iter().zip(&recording.bearings).map(of).collect()
@@ -184,9 +182,10 @@ fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings:
 fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics]) -> Vec<Line> {
     let harmonics = machine.rotor.loads.iter().filter_map(|load| load.load.harmonic());
     let loads: Vec<f64> = harmonics.map(|harmonic| harmonic.frequency(machine.rotor.speed)).collect();
-    let mut best: Vec<Line> = Vec::new();
-    for (bearing, metrics) in machine.bearings.iter().zip(bearings) {
+    let mut best: Vec<BearingLine> = Vec::new();
+    for (index, (bearing, metrics)) in machine.bearings.iter().zip(bearings).enumerate() {
         let surfaces = &bearing.scene.surfaces;
+        let unequal_balls = bearing.scene.has_unequal_balls();
         let sources = LineSources {
             frequencies: metrics.frequencies,
             cage_whirl: 0.0,
@@ -199,27 +198,59 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
             },
             uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
             odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
-            unequal_balls: bearing.scene.has_unequal_balls(),
+            unequal_balls,
             loads: &loads,
         };
-        let found = find_lines(spectrum, &sources, BAND).into_iter().map(|line| named(line, &bearing.name));
+        let is_uneven = unequal_balls || !surfaces.are_ideal();
+        let found = find_lines(spectrum, &sources, BAND).into_iter();
+        let found = found.map(|line| BearingLine { line, bearings: vec![index], is_uneven });
         if best.is_empty() {
             best = found.collect();
             continue;
         }
-        for (line, other) in best.iter_mut().zip(found) {
-            let is_nearer = line.label.is_empty() || other.deviation.abs() < line.deviation.abs();
-            if !other.label.is_empty() && is_nearer {
-                *line = other;
-            }
-        }
+        best.iter_mut().zip(found).for_each(|(line, other)| line.join(other, spectrum.resolution));
     }
-    best
+    best.into_iter().map(|line| line.named(machine)).collect()
 }
 
-/// The line with the name of its bearing, unless the shaft alone makes it.
-fn named(line: Line, bearing: &str) -> Line {
-    let is_of_bearing = ["BPF", "FTF", "BSF"].iter().any(|source| line.label.contains(source));
-    let label = if is_of_bearing { format!("{}@{bearing}", line.label) } else { line.label };
-    Line { label, ..line }
+/// Distance of two combinations in bins that no line tells apart: lines of steady motion lie within it of theirs.
+const SAME_BINS: f64 = 0.01;
+
+/// A line, and the bearings that may make it.
+struct BearingLine {
+    line: Line,
+    bearings: Vec<usize>,
+    /// Whether surfaces or balls of these bearings are uneven.
+    is_uneven: bool,
+}
+
+impl BearingLine {
+    /// Takes the combination of another bearing where that lies nearer. Of two that no line tells apart, that of the only uneven bearing is
+    /// taken, or else both.
+    fn join(&mut self, other: Self, resolution: f64) {
+        if other.line.label.is_empty() {
+            return;
+        }
+        let apart = (other.line.deviation - self.line.deviation).abs();
+        if other.line.label == self.line.label && apart < SAME_BINS * resolution {
+            if other.is_uneven == self.is_uneven {
+                self.bearings.extend(other.bearings);
+            } else if other.is_uneven {
+                *self = other;
+            }
+        } else if self.line.label.is_empty() || other.line.deviation.abs() < self.line.deviation.abs() {
+            *self = other;
+        }
+    }
+
+    /// The line with the names of its bearings, unless the shaft alone makes it.
+    fn named(self, machine: &Machine) -> Line {
+        let Self { line, bearings, .. } = self;
+        let is_of_bearing = ["BPF", "FTF", "BSF"].iter().any(|source| line.label.contains(source));
+        if !is_of_bearing {
+            return line;
+        }
+        let names: Vec<&str> = bearings.iter().map(|&index| machine.bearings[index].name.as_str()).collect();
+        Line { label: format!("{}@{}", line.label, names.join("/")), ..line }
+    }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
-use super::codes::{MachineWarning, RejectedStep, StepCause};
+use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
@@ -52,7 +52,7 @@ pub fn simulate(
     let rejected = |step: f64, cause| {
         MachineWarning::StepRejected(RejectedStep { step, cause, limit: limit_of_step(&dynamics, step) })
     };
-    let (mut rejections, mut work) = (Vec::new(), 0);
+    let (mut rejections, mut work, mut last_error) = (Vec::new(), 0, None);
     let window = settings.duration.min(REPEATED);
     loop {
         let recorded = control
@@ -78,14 +78,23 @@ pub fn simulate(
         let errors: Vec<_> = level_errors(&recording, &again);
         let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
         let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
-        if let Some((channel, error_db)) = worst.filter(|(_, error)| *error > ALLOWED_DB && may_shorten(step)) {
+        // The error of a regular motion falls with the square of the step.
+        let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last);
+        if let Some((channel, error_db)) = worst.filter(|(_, error)| *error > ALLOWED_DB && falls && may_shorten(step))
+        {
             rejections.push(rejected(step.full(), StepCause::Deviation { channel, error_db }));
+            last_error = Some(error_db);
             step = step.halved();
             continue;
         }
+        let last = match settings.step {
+            Some(_) => LastStep::Selected,
+            None if falls => LastStep::Shortest,
+            None => LastStep::Irregular,
+        };
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work };
         let mut result = MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy);
-        result.warnings = warnings(machine, &dynamics, settings, &result, ALLOWED_DB);
+        result.warnings = warnings(machine, &dynamics, &result, (ALLOWED_DB, last));
         result.warnings.extend(rejections);
         return Ok(result);
     }

@@ -1,11 +1,10 @@
 //! Reasons to doubt the numbers of a run, and what limits its steps.
 
 use super::channel::MachineChannel;
-use super::codes::{LaterChange, MachineWarning, StepLimit};
+use super::codes::{LastStep, LaterChange, MachineWarning, StepLimit};
 use super::equations::MachineDynamics;
 use super::input::Machine;
 use super::result::{BearingMetrics, MachineResult, SignalMetrics};
-use super::settings::MachineSettings;
 use super::stepping::stiffness_of_step;
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
@@ -32,11 +31,10 @@ pub(super) fn limit_of_step(dynamics: &MachineDynamics, step: f64) -> Option<Ste
 pub(super) fn warnings(
     machine: &Machine,
     dynamics: &MachineDynamics,
-    settings: &MachineSettings,
     result: &MachineResult,
-    allowed_db: f64,
+    (allowed_db, last): (f64, LastStep),
 ) -> Vec<MachineWarning> {
-    let of_steps = uncertain(settings, result, allowed_db).into_iter().chain(partly_verified(machine, result));
+    let of_steps = uncertain(result, allowed_db, last).into_iter().chain(partly_verified(machine, result));
     let start = start_transient(machine, result);
     let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
     let bearings = result.bearings.iter().enumerate();
@@ -59,11 +57,10 @@ fn start_transient(machine: &Machine, result: &MachineResult) -> Option<MachineW
 }
 
 /// The level whose error by the steps is largest, if it is too large.
-fn uncertain(settings: &MachineSettings, result: &MachineResult, allowed_db: f64) -> Option<MachineWarning> {
+fn uncertain(result: &MachineResult, allowed_db: f64, last: LastStep) -> Option<MachineWarning> {
     let known = result.accuracy.errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
     let (channel, error_db) = known.max_by(|one, other| one.1.total_cmp(&other.1))?;
-    let (step, is_selected) = (result.accuracy.step, settings.step.is_some());
-    let warning = MachineWarning::Uncertain { channel, error_db, allowed_db, step, is_selected };
+    let warning = MachineWarning::Uncertain { channel, error_db, allowed_db, step: result.accuracy.step, last };
     (error_db > allowed_db).then_some(warning)
 }
 

@@ -1,6 +1,6 @@
 //! Messages of a machine.
 
-use raceway_core::machine::codes::{LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
+use raceway_core::machine::codes::{LastStep, LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
 use raceway_core::machine::input::Machine;
 use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use serde_json::{Value, json};
@@ -47,14 +47,17 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             let values = vec![("channel", json!(channel)), ("change_db", json!(significant(*change_db, 3)))];
             (MessageCode::NotStationary, text, values)
         }
-        MachineWarning::Uncertain { channel, error_db, allowed_db, step, is_selected } => {
+        MachineWarning::Uncertain { channel, error_db, allowed_db, step, last } => {
             let channel = channel.named(machine).to_string();
             let half = significant(0.5 * US.to_user(*step), 2);
-            let remedy = match is_selected {
-                true => format!("Leave step_us to the program, or set it to {half}."),
-                false => format!(
-                    "Set step_us to {half}; if that changes nothing, the motion is irregular and its level that of a sample."
-                ),
+            let remedy = match last {
+                LastStep::Selected => format!("Leave step_us to the program, or set it to {half}."),
+                LastStep::Shortest => format!("No shorter step was tried; set step_us to {half}."),
+                LastStep::Irregular => {
+                    "Twice these steps had no larger error: the motion is irregular, and its level is that of \
+                     a sample. Increase duration_s."
+                        .to_owned()
+                }
             };
             let text = format!(
                 "The level of {channel} has an error of {} dB, more than {allowed_db} dB: half of the steps of {} µs change it. {remedy}",
