@@ -6,11 +6,11 @@ const MAX_NAME: usize = 32;
 /// Names that channels have.
 const RESERVED: [&str; 5] = ["spindle", "cage", "ball", "sensor", "shaft"];
 
-/// Refuses a name that no channel can have, or that another body has; `at`: pointer to the object that has it.
+/// Refuses a name that no channel can have, or that channels have already; `at`: pointer to the object that has it.
 pub(super) fn check_body_name(name: &str, defaults: &mut Defaults, at: &str) {
     check_name(name, defaults, at);
     if RESERVED.contains(&name) {
-        defaults.refuse(format!("{at}/name"), format!("`{name}` is the name of a body; give another"));
+        defaults.refuse(format!("{at}/name"), format!("`{name}` is a name of channels; give another"));
     }
 }
 
