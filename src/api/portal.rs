@@ -34,7 +34,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 34] = files! {
+static FILES: [File; 35] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -46,6 +46,7 @@ static FILES: [File; 34] = files! {
     "download.js": SCRIPT,
     "fields.js": SCRIPT,
     "format.js": SCRIPT,
+    "housing-drawing.js": SCRIPT,
     "jobs.js": SCRIPT,
     "machine.js": SCRIPT,
     "main.js": SCRIPT,

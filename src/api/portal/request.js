@@ -13,7 +13,8 @@ export const START = {
 /** Pointers at which a name may replace an object, with the member of the object that holds the name. */
 const NAMED = { '/scene/bearing': 'preset', '/scene/lubricant': 'kind' };
 
-const steps = (pointer) =>
+/** The steps of a JSON pointer. */
+export const steps = (pointer) =>
   pointer
     .split('/')
     .slice(1)
@@ -56,6 +57,9 @@ function tidy(job) {
   return swept(job, '');
 }
 
+/** Whether a request has a shaft, or bearings on a rigid spindle. */
+export const isOfShaft = (request) => Boolean(request?.scene?.shaft ?? request?.scene?.bearings);
+
 /** Requests, run and tab from the part of the address after `#`. */
 export function fromAddress() {
   const parameters = new URLSearchParams(location.hash.slice(1));
@@ -68,7 +72,7 @@ export function fromAddress() {
     }
   });
   const whole = (value) => (value && typeof value === 'object' ? value : null);
-  return { job: whole(job), shaft: whole(shaft)?.scene?.shaft ? shaft : null, run: parameters.get('run'), tab: parameters.get('tab') };
+  return { job: whole(job), shaft: isOfShaft(whole(shaft)) ? shaft : null, run: parameters.get('run'), tab: parameters.get('tab') };
 }
 
 /** Whether a word has the form of a job id. */

@@ -1,11 +1,11 @@
 // The form of a shaft: its lists and single fields. It writes edits into the request; errors appear at the field of their pointer.
 
-import { h, more, select, small, tools } from './dom.js';
+import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
 import { plainNumber } from './format.js';
 import { read } from './request.js';
-import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT } from './shaft-lists.js';
-import { arrangement, dimensions, listAt, renamed, set } from './shaft-request.js';
+import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE } from './shaft-lists.js';
+import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, set, without } from './shaft-request.js';
 
 const BEARINGS = '/scene/bearings';
 const PRELOADS = '/scene/preloads';
@@ -27,6 +27,8 @@ export class ShaftForm {
   #fields = new Map();
   #places = new Map();
   #unreadable = new Map();
+  /** Elements that belong to a shaft or to a rigid spindle only. */
+  #parts = [];
 
   /** `onChange(request)` gets every changed request. */
   constructor(host, { document: openapi, presets, onChange }) {
@@ -39,7 +41,9 @@ export class ShaftForm {
     }));
     this.lists = new Map(this.known.map((list) => [list.pointer, this.#list(list)]));
     host.replaceChildren(
+      this.#kind(),
       this.#group(OPERATION),
+      this.#group(SPINDLE),
       ...[...this.lists.values()].map(({ element }) => element),
       this.#group(SHAFT),
       this.#group(ANALYSIS),
@@ -55,6 +59,10 @@ export class ShaftForm {
   /** Shows a request. The field that is being edited keeps its text. */
   show(request) {
     this.request = request;
+    const part = isRigid(request) ? 'spindle' : 'shaft';
+    if (request.scene.shaft) this.shaft = request.scene.shaft;
+    this.kind.querySelector(`[value=${part}]`).checked = true;
+    for (const { element, part: own } of this.#parts) element.hidden = own !== part;
     // A list is built anew when its items, or those that it may name, change.
     for (const list of this.known) {
       const shown = this.lists.get(list.pointer);
@@ -66,7 +74,9 @@ export class ShaftForm {
       if (shape !== shown.shape) this.#build(list, shown, items.length, shape);
       shown.summary.textContent = items.length && !list.open ? `${list.title}: ${items.length}` : list.title;
     }
-    for (const [pointer, { input, ofValue }] of this.#fields) {
+    for (const [pointer, { input, ofValue, when }] of this.#fields) {
+      // A value that does not belong here stays in sight: its error is at its field.
+      if (when) input.closest('.field').hidden = read(request, pointer) === undefined && !this.#holds(when, request);
       if (!this.#unreadable.has(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
       if (input.tagName === 'INPUT') input.placeholder = this.#fallback(pointer);
     }
@@ -79,9 +89,11 @@ export class ShaftForm {
     const elsewhere = [];
     for (const { pointer, detail } of errors) {
       const known = (one) => this.#fields.has(one) || this.#places.has(one);
-      let near = pointer;
+      // An error of a whole list of numbers stands at the first of them.
+      let near = this.#fields.has(`${pointer}/0`) ? `${pointer}/0` : pointer;
+      const isExact = known(near);
       while (near && !known(near)) near = near.slice(0, near.lastIndexOf('/'));
-      const text = near === pointer ? detail : `${pointer.slice(near.length + 1)}: ${detail}`;
+      const text = isExact ? detail : `${pointer.slice(near.length + 1)}: ${detail}`;
       if (near) at.set(near, [...(at.get(near) ?? []), text]);
       else elsewhere.push({ pointer, detail });
     }
@@ -114,12 +126,7 @@ export class ShaftForm {
 
   /** Removes an item; the button that adds one to its list gets the focus. */
   remove(pointer, index) {
-    const items = listAt(this.request, pointer).filter((_, i) => i !== index);
-    const [gone] = listAt(this.request, pointer).slice(index, index + 1);
-    let request = set(this.request, pointer, items.length || pointer.endsWith('sections') ? items : undefined);
-    // A pair without one of its bearings is none.
-    const pairs = listAt(request, PRELOADS).filter(({ between }) => pointer !== BEARINGS || !between?.includes(gone.name));
-    if (pairs.length < listAt(request, PRELOADS).length) request = set(request, PRELOADS, pairs.length ? pairs : undefined);
+    const request = without(this.request, pointer, index);
     const list = this.lists.get(pointer);
     list.shape = '';
     this.#change(request);
@@ -149,8 +156,26 @@ export class ShaftForm {
     return typeof value === 'number' ? String(value) : fallback;
   }
 
-  #group({ title, open, of, fields }) {
-    return h(
+  /** The choice between a shaft of sections and a rigid spindle. The shaft is kept for the way back. */
+  #kind() {
+    const choose = (part) => {
+      const { spindle, ...scene } = this.request.scene;
+      if (spindle) this.spindle = spindle;
+      const other = part === 'shaft' ? { shaft: this.shaft ?? structuredClone(EXAMPLE.scene.shaft) } : { spindle: this.spindle };
+      delete scene.shaft;
+      this.#change({ ...this.request, scene: JSON.parse(JSON.stringify({ ...other, ...scene })) });
+    };
+    const one = ([value, text]) => labelledRadio({ name: 'shaft-part', value, onchange: () => choose(value) }, text);
+    const parts = [
+      ['shaft', 'Shaft of sections'],
+      ['spindle', 'Rigid spindle'],
+    ];
+    this.kind = h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'What the bearings hold'), parts.map(one));
+    return this.kind;
+  }
+
+  #group({ title, open, of, part, fields }) {
+    const element = h(
       'details',
       { class: 'group', open },
       h('summary', {}, title),
@@ -160,9 +185,11 @@ export class ShaftForm {
         fields.map((spec) => this.#field(spec.pointer, { of, ...spec })),
       ),
     );
+    if (part) this.#parts.push({ element, part });
+    return element;
   }
 
-  #list({ pointer, title, item, open, fresh }) {
+  #list({ pointer, title, item, open, part, fresh }) {
     const summary = h('summary', {}, title);
     const items = h('div', {});
     const error = h('p', { class: 'error', 'aria-live': 'polite' });
@@ -174,13 +201,9 @@ export class ShaftForm {
       this.focus(`${pointer}/${count}`);
     };
     const adder = small(`Add ${item.toLowerCase()}`, add);
-    return {
-      summary,
-      items,
-      note,
-      adder,
-      element: h('details', { class: 'group', open }, summary, error, items, note, tools(adder)),
-    };
+    const element = h('details', { class: 'group', open }, summary, error, items, note, tools(adder));
+    if (part) this.#parts.push({ element, part });
+    return { summary, items, note, adder, element };
   }
 
   #build(list, shown, count, shape) {
@@ -198,7 +221,10 @@ export class ShaftForm {
     const here = `${pointer}/${index}`;
     const error = h('p', { class: 'error', 'aria-live': 'polite' });
     this.#places.set(here, error);
-    const inside = (specs, schema) => specs.map((spec) => this.#field(`${here}/${spec.path}`, { of: schema, ...spec }));
+    const inside = (specs, schema) =>
+      specs.map(({ when, ...spec }) =>
+        this.#field(`${here}/${spec.path}`, { of: schema, ...spec, when: when && [`${here}/${when[0]}`, when[1]] }),
+      );
     return h(
       'fieldset',
       { class: 'item' },
@@ -235,29 +261,45 @@ export class ShaftForm {
       oninput: () =>
         spec.text
           ? this.#change(renamed(this.request, pointer, input.value.trim()))
-          : this.#typed(pointer, input.value, spec.size),
+          : this.#typed(pointer, input.value, spec),
     });
     const ofValue = (value) => (typeof value === 'object' ? 'list' : (value ?? ''));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
 
-  #choice(pointer, { choices, names, none, ...spec }) {
+  /** Whether a field exists for the chosen value of another one. */
+  #holds([pointer, values], request) {
+    return values.includes(read(request, pointer) ?? this.#fields.get(pointer)?.input.options[0].value);
+  }
+
+  #choice(pointer, { choices, names, others = [], ...spec }) {
     const pairs = names
-      ? [...(none ? [['', none]] : []), ...listAt(this.request, names).map(({ name }) => [name, name])]
+      ? [...others, ...listAt(this.request, names).map(({ name }) => [name, name])]
       : typeof choices === 'function'
         ? choices(this.presets)
         : choices;
-    const input = select(pairs, (value) => this.#change(set(this.request, pointer, value || undefined)));
+    const input = select(pairs, (value) => this.#chosen(pointer, value));
     const ofValue = (value) => (typeof value === 'object' ? '' : (value ?? pairs[0]?.[0] ?? ''));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
 
-  #registered(pointer, input, { label, unit, of, fallback, ofValue }) {
+  /** Sets a choice. Fields that exist for other choices only lose their values. */
+  #chosen(pointer, value) {
+    let request = set(this.request, pointer, value || undefined);
+    for (const [field, { when }] of this.#fields)
+      if (when?.[0] === pointer && !when[1].includes(value)) {
+        this.#unreadable.delete(field);
+        request = set(request, field, undefined);
+      }
+    this.#change(request);
+  }
+
+  #registered(pointer, input, { label, unit, of, fallback, ofValue, when }) {
     const id = idOf(pointer);
     const error = h('p', { id: `${id}-error`, class: 'error', 'aria-live': 'polite' });
     input.id = id;
     input.setAttribute('aria-describedby', `${unit ? `${id}-unit ` : ''}${id}-error`);
-    this.#fields.set(pointer, { input, error, fallback, ofValue });
+    this.#fields.set(pointer, { input, error, fallback, ofValue, when });
     const schema = this.#schema(of, pointer) ?? {};
     return h(
       'div',
@@ -269,7 +311,7 @@ export class ShaftForm {
     );
   }
 
-  #typed(pointer, entered, size) {
+  #typed(pointer, entered, { size, alike }) {
     const text = plainNumber(entered);
     this.#unreadable.delete(pointer);
     if (text !== '' && !Number.isFinite(Number(text))) {
@@ -277,7 +319,8 @@ export class ShaftForm {
       this.onChange(this.request);
       return;
     }
-    this.#change(set(this.request, pointer, text === '' ? undefined : Number(text), size));
+    const value = text === '' ? undefined : Number(text);
+    this.#change(set(this.request, pointer, value, { size, others: alike ? value : 0 }));
   }
 
   /** The arrangement of each preloaded pair. */
