@@ -5,6 +5,8 @@ import { concernsShaft, listAt } from './shaft-request.js';
 
 /** Least reach of a body on either side of what it holds [mm]. */
 const REACH = 4;
+/** Distance of a body from the widest part of the shaft: room for seats [px]. */
+const GAP = 12;
 /** Height of the line with the name of a body [px]. */
 const STRIP = 18;
 /** Estimated width of a letter [px]. */
@@ -14,14 +16,21 @@ const STEP = 6;
 /** Height of a spring with its ground [px]. */
 export const SPRING = 15;
 
-const finite = (value, fallback = 0) => (Number.isFinite(value) ? value : fallback);
+/** A number of the request, which may still be text or missing. */
+export const finite = (value, fallback = 0) => (Number.isFinite(value) ? value : fallback);
 
 /** Place of a mount [mm]. */
 export const mountAt = ({ at_mm: at, body }, bodies) => finite(at, bodies.find(({ name }) => name === body)?.at ?? 0);
 
 /** Bodies from end to end of what they hold [mm], with the number of bodies within each. `widths`: those of the bearings [mm]. */
 export function bodiesOf(request, widths) {
+  const masses = listAt(request, '/scene/housing/bodies').map(({ name, at_mm: at, mass_kg: mass }) => ({
+    name,
+    at: finite(at),
+    mass: finite(mass),
+  }));
   const held = [
+    ...listAt(request, '/scene/housing/mounts').map((mount) => [mount.body, mountAt(mount, masses), REACH]),
     ...listAt(request, '/scene/bearings').map(({ outer_ring: ring, at_mm: at }, i) => [ring?.on, finite(at), finite(widths[i]) / 2]),
     ...listAt(request, '/scene/supports').map(({ on, at_mm: at }) => [on, finite(at), REACH]),
     ...listAt(request, '/scene/sensors').flatMap(({ on, relative_to: from, at_mm: at }) => [
@@ -29,10 +38,9 @@ export function bodiesOf(request, widths) {
       [from, finite(at), REACH],
     ]),
   ];
-  const bodies = listAt(request, '/scene/housing/bodies').map(({ name, at_mm: place, mass_kg: mass }) => {
-    const at = finite(place);
-    const ends = held.filter(([on]) => on === name).flatMap(([, one, reach]) => [one - reach, one + reach]);
-    return { name, at, mass: finite(mass), from: Math.min(...ends, at - 2 * REACH), to: Math.max(...ends, at + 2 * REACH), level: 0 };
+  const bodies = masses.map((body) => {
+    const ends = held.filter(([on]) => on === body.name).flatMap(([, at, reach]) => [at - reach, at + reach]);
+    return { ...body, from: Math.min(...ends, body.at - 2 * REACH), to: Math.max(...ends, body.at + 2 * REACH), level: 0 };
   });
   // The shortest lies within the others.
   const placed = [];
@@ -47,7 +55,7 @@ export function bodiesOf(request, widths) {
 /** Room above and below the shaft for frames of bodies [px]. */
 export function roomOf(bodies) {
   const levels = Math.max(-1, ...bodies.map(({ level }) => level)) + 1;
-  return { above: levels * STRIP, below: levels * STEP };
+  return levels ? { above: GAP + levels * STRIP, below: GAP + levels * STEP } : { above: 0, below: 4 };
 }
 
 /** Edges of the frame of a body [px]. */
@@ -55,8 +63,8 @@ export function frameOf({ from, to, level }, { x, axis, half }) {
   return {
     left: x(from) - 5 - 4 * level,
     right: x(to) + 5 + 4 * level,
-    top: axis - half - 4 - STRIP * (level + 1),
-    bottom: axis + half + 4 + STEP * (level + 1),
+    top: axis - half - GAP - STRIP * (level + 1),
+    bottom: axis + half + GAP + STEP * (level + 1),
   };
 }
 
@@ -68,7 +76,7 @@ export function bodyShapes(body, label, view) {
   const begin = Math.max(Math.min(left + 5, view.width - label.length * LETTER - 2), 2);
   return [
     s('rect', { class: 'housing', x: left, y: top, width: right - left, height: bottom - top, rx: 4 }),
-    s('text', { class: 'soft', x: begin, y: top + 15 }, label),
+    s('text', { class: 'tag', x: begin, y: top + 15 }, label),
     massCentre(centre, top),
   ];
 }

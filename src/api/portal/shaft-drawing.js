@@ -5,6 +5,7 @@ import { number, quantity } from './format.js';
 import {
   bodiesOf,
   bodyShapes,
+  finite,
   LETTER,
   massCentre,
   mayLieBeyond,
@@ -36,8 +37,6 @@ const KEYS = { ArrowRight: 1, ArrowLeft: -1, PageUp: 10, PageDown: -10 };
 /** Pointer movement from which on an item moves [px]. */
 const MOVE_FROM = 4;
 
-/** A number of the request, which may still be text or missing. */
-const finite = (value, fallback = 0) => (Number.isFinite(value) ? value : fallback);
 const within = (value, least, most) => Math.min(Math.max(value, least), most);
 /** Name and direction of a sensor. */
 const sensorText = ({ name, direction }) => `${name} ${direction}`;
@@ -98,7 +97,7 @@ export class ShaftDrawing {
     const room = roomOf(bodies);
     const axis = ABOVE + Math.max(1, ...rows.map((row) => row + 1)) * NAMES.row + room.above + half;
     // Ground of mounts and supports.
-    const base = axis + half + 4 + room.below + SPRING;
+    const base = axis + half + room.below + SPRING;
     const height = base + BELOW;
     this.frame = { scale, length };
     // A place beyond the shaft is an error of its field; the drawing shows it at the end.
@@ -117,8 +116,8 @@ export class ShaftDrawing {
         onpointerdown: (event) => this.#grab(event),
         onkeydown: (event) => this.#key(event),
       },
-      this.#housing(bodies, view),
       this.#leads(bodies, sections, rows, view),
+      this.#housing(bodies, view),
       this.#sections(sections, bearings, view),
       s('line', { class: 'axis', x1: x(0) - 14, x2: x(length) + 14, y1: axis, y2: axis }),
       isRigid(this.request) && this.#centre(view),

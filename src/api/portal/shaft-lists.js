@@ -251,7 +251,12 @@ export const LISTS = [
       const bodies = listAt(request, BODIES);
       const mounted = listAt(request, '/scene/housing/mounts').map(({ body: of }) => of);
       const body = bodies.find(({ name }) => !mounted.includes(name)) ?? bodies[0];
-      const usual = { stiffness_n_per_um: [50, 50, 50], damping_n_s_per_m: [300, 300, 300], tilt_n_m_per_mrad: [20, 20] };
+      const usual = {
+        stiffness_n_per_um: [50, 50, 50],
+        damping_n_s_per_m: [300, 300, 300],
+        tilt_n_m_per_mrad: [20, 20],
+        tilt_damping_n_m_s_per_rad: [1, 1],
+      };
       return { body: body?.name ?? 'head', at_mm: body?.at_mm ?? place(request, 0.5), ...usual };
     },
   },
