@@ -34,7 +34,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 35] = files! {
+static FILES: [File; 36] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -45,6 +45,7 @@ static FILES: [File; 35] = files! {
     "dom.js": SCRIPT,
     "download.js": SCRIPT,
     "fields.js": SCRIPT,
+    "form.js": SCRIPT,
     "format.js": SCRIPT,
     "housing-drawing.js": SCRIPT,
     "jobs.js": SCRIPT,

@@ -344,6 +344,8 @@ async function study(page) {
 async function surfaces(page) {
   await page.selectOption('#preset', 'article-integrated');
   await page.locator('#surfaces > summary').click();
+  // The drawing of the preset takes the place of the first one, and with it the place to click.
+  await page.locator('#f-scene-bearing-pitch_diameter_mm[placeholder="13"]').waitFor();
   const svg = page.locator('.placing svg');
   await svg.waitFor();
   await svg.evaluate((element) => element.scrollIntoView({ block: 'start' }));

@@ -2,23 +2,8 @@
 
 import { h, s } from './dom.js';
 import { number, quantity } from './format.js';
-import {
-  bodiesOf,
-  bodyShapes,
-  finite,
-  LETTER,
-  massCentre,
-  mayLieBeyond,
-  mountAt,
-  mountShapes,
-  roomOf,
-  seatName,
-  seatShapes,
-  sensorName,
-  sensorTips,
-  SPRING,
-  supportShapes,
-} from './housing-drawing.js';
+import * as housing from './housing-drawing.js';
+import { finite, LETTER, mayLieBeyond, mountAt, SPRING } from './housing-drawing.js';
 import { read } from './request.js';
 import { dimensions, isRigid, lengthOf, listAt, sectionsOf } from './shaft-request.js';
 
@@ -78,10 +63,8 @@ export class ShaftDrawing {
     const sections = sectionsOf(this.request, this.presets);
     const discs = listAt(this.request, '/scene/shaft/discs').map(solid);
     const bearings = listAt(this.request, '/scene/bearings').map(({ bearing }) => dimensions(bearing, this.presets));
-    const bodies = bodiesOf(
-      this.request,
-      bearings.map((bearing) => bearing.width_mm),
-    );
+    const widths = bearings.map((bearing) => bearing.width_mm);
+    const bodies = housing.bodiesOf(this.request, widths);
     const radii = [
       ...sections.map((section) => finite(section.outer_diameter_mm) / 2),
       ...discs.map(({ radius }) => radius),
@@ -94,7 +77,7 @@ export class ShaftDrawing {
     const half = largest * scale;
     const x = (at) => left + scale * (within(at, from, to) - from);
     const rows = this.#rows(x);
-    const room = roomOf(bodies);
+    const room = housing.roomOf(bodies);
     const axis = ABOVE + Math.max(1, ...rows.map((row) => row + 1)) * NAMES.row + room.above + half;
     // Ground of mounts and supports.
     const base = axis + half + room.below + SPRING;
@@ -104,7 +87,7 @@ export class ShaftDrawing {
     const view = { x, on: (at) => x(within(finite(at), 0, length)), scale, axis, half, width, base };
     const focused = this.place.contains(document.activeElement) ? document.activeElement.dataset.pointer : null;
     const what = isRigid(this.request) ? 'Rigid spindle' : 'Shaft';
-    const housing = bodies.length ? `, housing bodies: ${bodies.map(({ name }) => name).join(', ')}` : '';
+    const holding = bodies.length ? `, housing bodies: ${bodies.map(({ name }) => name).join(', ')}` : '';
     const svg = s(
       'svg',
       {
@@ -112,7 +95,7 @@ export class ShaftDrawing {
         width,
         height,
         role: 'group',
-        'aria-label': `${what} of ${quantity(length, 'mm')}, ${quantity(bearings.length, '')} ball bearings${housing}`,
+        'aria-label': `${what} of ${quantity(length, 'mm')}, ${quantity(bearings.length, '')} ball bearings${holding}`,
         onpointerdown: (event) => this.#grab(event),
         onkeydown: (event) => this.#key(event),
       },
@@ -280,10 +263,10 @@ export class ShaftDrawing {
     return this.#item(
       '/scene/bearings',
       i,
-      `bearing ${name}${seatName(ring)}`,
+      `bearing ${name}${housing.seatName(ring)}`,
       at,
       shapes,
-      seatShapes(ring, middle, { outer, height: outer / 2 - pitch / 2 - ball * 0.22, width, sense }, axis),
+      housing.seatShapes(ring, middle, { outer, height: outer / 2 - pitch / 2 - ball * 0.22, width, sense }, axis),
       s('text', { class: 'name', x: middle, y: NAMES.bearing, 'text-anchor': 'middle' }, name),
     );
   }
@@ -291,18 +274,18 @@ export class ShaftDrawing {
   #support(support, i, bodies, view) {
     const { at_mm: at, on } = support;
     const name = `support ${i + 1}${on ? `, on ${on}` : ''}`;
-    return this.#item('/scene/supports', i, name, finite(at), supportShapes(support, view.on(at), bodies, view));
+    return this.#item('/scene/supports', i, name, finite(at), housing.supportShapes(support, view.on(at), bodies, view));
   }
 
   /** Bodies as frames around what they hold, and their mounts to the ground or to each other. */
   #housing(bodies, view) {
     const frames = bodies.map((body, i) => {
       const label = `${body.name}, ${number(body.mass)} kg`;
-      return { level: body.level, item: this.#item('/scene/housing/bodies', i, `body ${label}`, body.at, bodyShapes(body, label, view)) };
+      return { level: body.level, item: this.#item('/scene/housing/bodies', i, `body ${label}`, body.at, housing.bodyShapes(body, label, view)) };
     });
     const mounts = listAt(this.request, '/scene/housing/mounts').map((mount, i) => {
       const name = `mount of ${mount.body} ${mount.to ? `to ${mount.to}` : 'to the ground'}`;
-      return this.#item('/scene/housing/mounts', i, name, mountAt(mount, bodies), mountShapes(mount, bodies, view));
+      return this.#item('/scene/housing/mounts', i, name, mountAt(mount, bodies), housing.mountShapes(mount, bodies, view));
     });
     // An outer frame would cover an inner one.
     return [frames.sort((one, other) => other.level - one.level).map(({ item }) => item), mounts];
@@ -313,7 +296,7 @@ export class ShaftDrawing {
     const { centre_mm: given } = this.request.scene.spindle ?? {};
     const places = listAt(this.request, '/scene/bearings').map(({ at_mm: at }) => finite(at));
     const at = finite(given, (Math.min(...places) + Math.max(...places)) / 2);
-    return s('g', {}, s('title', {}, `Mass centre, ${number(at, 5)} mm`), massCentre(x(at), axis));
+    return s('g', {}, s('title', {}, `Mass centre, ${number(at, 5)} mm`), housing.massCentre(x(at), axis));
   }
 
   #unbalance({ at_mm: place, unbalance_g_mm: size, phase_deg: phase }, i, sections, { on, scale, axis }) {
@@ -343,7 +326,7 @@ export class ShaftDrawing {
     const at = finite(sensor.at_mm);
     const surface = view.axis - radiusAt(sections, at) * view.scale - 1;
     const x = mayLieBeyond('/scene/sensors', sensor) ? view.x(at) : view.on(at);
-    return { x, ...sensorTips(sensor, bodies, surface, view) };
+    return { x, ...housing.sensorTips(sensor, bodies, surface, view) };
   }
 
   #sensor(sensor, i, bodies, sections, row, view) {
@@ -351,7 +334,7 @@ export class ShaftDrawing {
     return this.#item(
       '/scene/sensors',
       i,
-      sensorName(sensor),
+      housing.sensorName(sensor),
       finite(sensor.at_mm),
       from !== undefined && s('path', { class: 'from', d: `M${x} ${tip}V${from}M${x - 5} ${from}h10` }),
       s('path', { class: 'sensor', d: `M${x} ${tip}l-5 -9h10z` }),

@@ -2,37 +2,25 @@
 
 import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
-import { plainNumber } from './format.js';
+import { field, Fields, focusFirstError, idOf, openAround, ownDimensions, textInput } from './form.js';
 import { read } from './request.js';
 import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE } from './shaft-lists.js';
 import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, set, without } from './shaft-request.js';
 
 const BEARINGS = '/scene/bearings';
 const PRELOADS = '/scene/preloads';
-/** Required dimensions of a bearing without preset; they start with those of the bearing before. */
-const REQUIRED = [
-  'type',
-  'outer_diameter_mm',
-  'inner_diameter_mm',
-  'width_mm',
-  'ball_count',
-  'ball_diameter_mm',
-  'pitch_diameter_mm',
-];
+/** The choice of own dimensions. */
 const OWN = '';
 
-const idOf = (pointer) => `s${pointer.replaceAll('/', '-')}`;
-
 export class ShaftForm {
-  #fields = new Map();
+  #fields = new Fields();
   #places = new Map();
-  #unreadable = new Map();
   /** Elements that belong to a shaft or to a rigid spindle only. */
   #parts = [];
 
   /** `onChange(request)` gets every changed request. */
   constructor(host, { document: openapi, presets, onChange }) {
-    Object.assign(this, { openapi, presets, onChange });
+    Object.assign(this, { host, openapi, presets, onChange });
     // The service's document decides: what it does not describe is left out.
     this.known = LISTS.filter(({ of }) => openapi.components.schemas[of]).map((list) => ({
       ...list,
@@ -53,7 +41,7 @@ export class ShaftForm {
 
   /** Whether a field contains text that is not a number. */
   get unreadable() {
-    return this.#unreadable.size > 0;
+    return this.#fields.unreadable;
   }
 
   /** Shows a request. The field that is being edited keeps its text. */
@@ -77,7 +65,7 @@ export class ShaftForm {
     for (const [pointer, { input, ofValue, when }] of this.#fields) {
       // A value that does not belong here stays in sight: its error is at its field.
       if (when) input.closest('.field').hidden = read(request, pointer) === undefined && !this.#holds(when, request);
-      if (!this.#unreadable.has(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
+      if (!this.#fields.isUnreadable(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
       if (input.tagName === 'INPUT') input.placeholder = this.#fallback(pointer);
     }
     this.#notes();
@@ -85,28 +73,11 @@ export class ShaftForm {
 
   /** Shows errors at their fields, else at the item or list that holds them. Returns those of no place. */
   showErrors(errors) {
-    const at = new Map();
-    const elsewhere = [];
-    for (const { pointer, detail } of errors) {
-      const known = (one) => this.#fields.has(one) || this.#places.has(one);
-      // An error of a whole list of numbers stands at the first of them.
-      let near = this.#fields.has(`${pointer}/0`) ? `${pointer}/0` : pointer;
-      const isExact = known(near);
-      while (near && !known(near)) near = near.slice(0, near.lastIndexOf('/'));
-      const text = isExact ? detail : `${pointer.slice(near.length + 1)}: ${detail}`;
-      if (near) at.set(near, [...(at.get(near) ?? []), text]);
-      else elsewhere.push({ pointer, detail });
+    const { places, elsewhere } = this.#fields.showErrors(errors, (pointer) => this.#places.has(pointer));
+    for (const [pointer, error] of this.#places) {
+      error.textContent = (places.get(pointer) ?? []).join('\n');
+      if (error.textContent) openAround(error);
     }
-    for (const [pointer, detail] of this.#unreadable) at.set(pointer, [detail]);
-    for (const [pointer, { input, error }] of this.#fields) {
-      const details = at.get(pointer) ?? [];
-      error.textContent = details.join('\n');
-      input.closest('.field').classList.toggle('wrong', details.length > 0);
-      if (details.length) input.setAttribute('aria-invalid', 'true');
-      else input.removeAttribute('aria-invalid');
-    }
-    for (const [pointer, error] of this.#places) error.textContent = (at.get(pointer) ?? []).join('\n');
-    for (const pointer of at.keys()) opened(this.#fields.get(pointer)?.input ?? this.#places.get(pointer));
     return elsewhere;
   }
 
@@ -115,13 +86,13 @@ export class ShaftForm {
     const [found] = [...this.#fields].filter(([one]) => one.startsWith(`${pointer}/`) && !one.endsWith('/name'));
     const input = found?.[1].input;
     if (!input) return;
-    opened(input);
+    openAround(input);
     input.focus({ preventScroll: true });
     input.closest('.item').scrollIntoView({ block: 'nearest' });
   }
 
   focusFirstError() {
-    this.lists.get(this.known[0].pointer).element.closest('form').querySelector('.field.wrong :is(input, select)')?.focus();
+    focusFirstError(this.host);
   }
 
   /** Removes an item; the button that adds one to its list gets the focus. */
@@ -209,8 +180,8 @@ export class ShaftForm {
   #build(list, shown, count, shape) {
     shown.shape = shape;
     const gone = (known) => known.startsWith(`${list.pointer}/`);
-    for (const of of [this.#fields, this.#places, this.#unreadable])
-      [...of.keys()].filter(gone).forEach((key) => of.delete(key));
+    this.#fields.forget(gone);
+    for (const key of [...this.#places.keys()].filter(gone)) this.#places.delete(key);
     const groups = () => [...shown.items.querySelectorAll('details')];
     const open = groups().map((group) => group.open);
     shown.items.replaceChildren(...Array.from({ length: count }, (_, i) => this.#item(list, i)));
@@ -241,8 +212,7 @@ export class ShaftForm {
   #bearing(pointer) {
     const choose = (name) => {
       const now = dimensions(read(this.request, pointer), this.presets);
-      const own = Object.fromEntries(REQUIRED.map((field) => [field, now[field]]));
-      this.#change(set(this.request, pointer, name || own));
+      this.#change(set(this.request, pointer, name || ownDimensions(now)));
     };
     const input = select([...Object.keys(this.presets.bearings).map((name) => [name, name]), [OWN, 'own dimensions']], choose);
     return this.#registered(pointer, input, {
@@ -253,16 +223,9 @@ export class ShaftForm {
 
   #field(pointer, spec) {
     if (spec.choices || spec.names) return this.#choice(pointer, spec);
-    const input = h('input', {
-      type: 'text',
-      inputmode: spec.text ? 'text' : 'decimal',
-      autocomplete: 'off',
-      spellcheck: 'false',
-      oninput: () =>
-        spec.text
-          ? this.#change(renamed(this.request, pointer, input.value.trim()))
-          : this.#typed(pointer, input.value, spec),
-    });
+    const input = spec.text
+      ? textInput(() => this.#change(renamed(this.request, pointer, input.value.trim())), 'text')
+      : textInput(() => this.#typed(pointer, spec));
     const ofValue = (value) => (typeof value === 'object' ? 'list' : (value ?? ''));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
@@ -286,41 +249,25 @@ export class ShaftForm {
   /** Sets a choice. Fields that exist for other choices only lose their values. */
   #chosen(pointer, value) {
     let request = set(this.request, pointer, value || undefined);
-    for (const [field, { when }] of this.#fields)
-      if (when?.[0] === pointer && !when[1].includes(value)) {
-        this.#unreadable.delete(field);
-        request = set(request, field, undefined);
-      }
+    const isOther = (one) => {
+      const { when } = this.#fields.get(one);
+      return when?.[0] === pointer && !when[1].includes(value);
+    };
+    this.#fields.giveUp(isOther);
+    for (const [one] of this.#fields) if (isOther(one)) request = set(request, one, undefined);
     this.#change(request);
   }
 
   #registered(pointer, input, { label, unit, of, fallback, ofValue, when }) {
-    const id = idOf(pointer);
-    const error = h('p', { id: `${id}-error`, class: 'error', 'aria-live': 'polite' });
-    input.id = id;
-    input.setAttribute('aria-describedby', `${unit ? `${id}-unit ` : ''}${id}-error`);
-    this.#fields.set(pointer, { input, error, fallback, ofValue, when });
-    const schema = this.#schema(of, pointer) ?? {};
-    return h(
-      'div',
-      { class: 'field' },
-      h('label', { for: id }, label),
-      h('div', { class: 'entry' }, input, unit && h('span', { id: `${id}-unit`, class: 'unit' }, unit)),
-      error,
-      h('p', { class: 'hint' }, help(schema)),
-    );
+    const hint = help(this.#schema(of, pointer) ?? {});
+    const shown = field({ id: idOf('s', pointer), label, unit, input, help: hint });
+    return this.#fields.add(pointer, { ...shown, fallback, ofValue, when });
   }
 
-  #typed(pointer, entered, { size, alike }) {
-    const text = plainNumber(entered);
-    this.#unreadable.delete(pointer);
-    if (text !== '' && !Number.isFinite(Number(text))) {
-      this.#unreadable.set(pointer, 'This is not a number.');
-      this.onChange(this.request);
-      return;
-    }
-    const value = text === '' ? undefined : Number(text);
-    this.#change(set(this.request, pointer, value, { size, others: alike ? value : 0 }));
+  #typed(pointer, { size, alike }) {
+    const { value, error } = this.#fields.read(pointer);
+    if (error) this.onChange(this.request);
+    else this.#change(set(this.request, pointer, value, { size, others: alike ? value : 0 }));
   }
 
   /** The arrangement of each preloaded pair. */
@@ -340,8 +287,3 @@ export class ShaftForm {
 const namedIn = ({ fields, more: groups = [] }) => [
   ...new Set([...fields, ...groups.flatMap((group) => group.fields)].map(({ names }) => names).filter(Boolean)),
 ];
-
-/** Opens the groups around an element. */
-function opened(element) {
-  for (let group = element?.closest('details'); group; group = group.parentElement.closest('details')) group.open = true;
-}
