@@ -626,6 +626,9 @@ async function rigidSpindle(page) {
   const of = (pointer) => ofShaft(page, pointer);
   await page.locator('.rotor table').first().waitFor({ timeout: 30000 });
   const sections = page.locator('#shaft-fields summary', { hasText: /^Sections/ });
+  // A field that goes away takes its error with it.
+  await of('/scene/shaft/sections/0/length_mm').fill('x');
+  await page.locator('#s-scene-shaft-sections-0-length_mm-error', { hasText: 'not a number' }).waitFor();
   await page.getByLabel('Rigid spindle', { exact: true }).check({ force: true });
   await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle of 255"]').waitFor();
   assert.ok((await sections.isHidden()) && (await of('/scene/spindle/mass_kg').isVisible()));

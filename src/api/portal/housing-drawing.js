@@ -31,7 +31,11 @@ export function bodiesOf(request, widths) {
   }));
   const held = [
     ...listAt(request, '/scene/housing/mounts').map((mount) => [mount.body, mountAt(mount, masses), REACH]),
-    ...listAt(request, '/scene/bearings').map(({ outer_ring: ring, at_mm: at }, i) => [ring?.on, finite(at), finite(widths[i]) / 2]),
+    ...listAt(request, '/scene/bearings').map(({ outer_ring: ring, at_mm: at }, i) => [
+      ring?.on,
+      finite(at),
+      finite(widths[i]) / 2,
+    ]),
     ...listAt(request, '/scene/supports').map(({ on, at_mm: at }) => [on, finite(at), REACH]),
     ...listAt(request, '/scene/sensors').flatMap(({ on, relative_to: from, at_mm: at }) => [
       [on, finite(at), REACH],
@@ -126,7 +130,10 @@ export function seatShapes({ seat = 'rigid', spring_force_n: force }, place, { o
     const y = edge + side * { rigid: 2, elastic: 9, sliding: 3.5 }[seat in SEATS ? seat : 'rigid'];
     const line = s('path', { class: `seat ${seat}`, d: `M${place - half} ${y}H${place + half}` });
     if (seat === 'elastic')
-      return [line, [-1, 1].map((end) => s('path', { class: 'spring', d: zigzag(place + (end * width) / 4, edge, 0, side * 1.8) }))];
+      return [
+        line,
+        [-1, 1].map((end) => s('path', { class: 'spring', d: zigzag(place + (end * width) / 4, edge, 0, side * 1.8) })),
+      ];
     if (seat !== 'sliding' || !(force > 0)) return line;
     // The spring pushes the ring against the balls: that of a `+x` bearing along -X.
     const from = place + (sense * width) / 2;
@@ -149,7 +156,9 @@ export function seatName({ seat = 'rigid', on, spring_force_n: force } = {}) {
 
 /** Words for the parts of a sensor. */
 export function sensorName({ name, direction, on, relative_to: from }) {
-  return [`sensor ${name}, ${direction}`, on && on !== 'shaft' && `on ${on}`, from && `relative to ${from}`].filter(Boolean).join(', ');
+  return [`sensor ${name}, ${direction}`, on && on !== 'shaft' && `on ${on}`, from && `relative to ${from}`]
+    .filter(Boolean)
+    .join(', ');
 }
 
 /** Height at which a sensor sits, and that of the part from which it measures [px]. `surface`: height of the shaft's surface there. */

@@ -281,7 +281,10 @@ export class ShaftDrawing {
   #housing(bodies, view) {
     const frames = bodies.map((body, i) => {
       const label = `${body.name}, ${number(body.mass)} kg`;
-      return { level: body.level, item: this.#item('/scene/housing/bodies', i, `body ${label}`, body.at, housing.bodyShapes(body, label, view)) };
+      return {
+        level: body.level,
+        item: this.#item('/scene/housing/bodies', i, `body ${label}`, body.at, housing.bodyShapes(body, label, view)),
+      };
     });
     const mounts = listAt(this.request, '/scene/housing/mounts').map((mount, i) => {
       const name = `mount of ${mount.body} ${mount.to ? `to ${mount.to}` : 'to the ground'}`;
@@ -356,9 +359,7 @@ export class ShaftDrawing {
     };
     bounds.slice(1).forEach((to, i) => {
       const [a, b] = [x(bounds[i]), x(to)];
-      marks.push(
-        s('path', { class: 'measure-line', d: `M${a} ${rows[0] - 5}v10M${b} ${rows[0] - 5}v10M${a} ${rows[0]}H${b}` }),
-      );
+      marks.push(s('path', { class: 'measure-line', d: `M${a} ${rows[0] - 5}v10M${b} ${rows[0] - 5}v10M${a} ${rows[0]}H${b}` }));
       marks.push(text((a + b) / 2, rows[0] - 4, number(to - bounds[i])));
     });
     free = -Infinity;
@@ -411,7 +412,12 @@ export class ShaftDrawing {
     const { pointer } = group.dataset;
     const isSection = pointer.startsWith('/scene/shaft/sections');
     // The scale of the start: an item that leaves the drawing changes it.
-    const start = { x: event.clientX, at: isSection ? 0 : this.#at(pointer), scale: this.frame.scale, moved: isSection ? null : false };
+    const start = {
+      x: event.clientX,
+      at: isSection ? 0 : this.#at(pointer),
+      scale: this.frame.scale,
+      moved: isSection ? null : false,
+    };
     const move = ({ clientX }) => {
       if (start.moved === null || (!start.moved && Math.abs(clientX - start.x) < MOVE_FROM)) return;
       start.moved = true;

@@ -134,6 +134,7 @@ export class ShaftForm {
       if (spindle) this.spindle = spindle;
       const other = part === 'shaft' ? { shaft: this.shaft ?? structuredClone(EXAMPLE.scene.shaft) } : { spindle: this.spindle };
       delete scene.shaft;
+      this.#fields.giveUp();
       this.#change({ ...this.request, scene: JSON.parse(JSON.stringify({ ...other, ...scene })) });
     };
     const one = ([value, text]) => labelledRadio({ name: 'shaft-part', value, onchange: () => choose(value) }, text);
