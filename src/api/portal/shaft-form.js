@@ -3,9 +3,9 @@
 import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
 import { field, Fields, focusFirstError, idOf, openAround, ownDimensions, textInput } from './form.js';
-import { read } from './request.js';
+import { read, write } from './request.js';
 import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE } from './shaft-lists.js';
-import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, set, without } from './shaft-request.js';
+import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, without } from './shaft-request.js';
 
 const BEARINGS = '/scene/bearings';
 const PRELOADS = '/scene/preloads';
@@ -169,7 +169,7 @@ export class ShaftForm {
     this.#places.set(pointer, error);
     const add = () => {
       const count = listAt(this.request, pointer).length;
-      this.#change(set(this.request, pointer, [...listAt(this.request, pointer), fresh(this.request)]));
+      this.#change(write(this.request, pointer, [...listAt(this.request, pointer), fresh(this.request)]));
       this.focus(`${pointer}/${count}`);
     };
     const adder = small(`Add ${item.toLowerCase()}`, add);
@@ -213,7 +213,7 @@ export class ShaftForm {
   #bearing(pointer) {
     const choose = (name) => {
       const now = dimensions(read(this.request, pointer), this.presets);
-      this.#change(set(this.request, pointer, name || ownDimensions(now)));
+      this.#change(write(this.request, pointer, name || ownDimensions(now)));
     };
     const input = select([...Object.keys(this.presets.bearings).map((name) => [name, name]), [OWN, 'own dimensions']], choose);
     return this.#registered(pointer, input, {
@@ -249,13 +249,13 @@ export class ShaftForm {
 
   /** Sets a choice. Fields that exist for other choices only lose their values. */
   #chosen(pointer, value) {
-    let request = set(this.request, pointer, value || undefined);
+    let request = write(this.request, pointer, value || undefined);
     const isOther = (one) => {
       const { when } = this.#fields.get(one);
       return when?.[0] === pointer && !when[1].includes(value);
     };
     this.#fields.giveUp(isOther);
-    for (const [one] of this.#fields) if (isOther(one)) request = set(request, one, undefined);
+    for (const [one] of this.#fields) if (isOther(one)) request = write(request, one, undefined);
     this.#change(request);
   }
 
@@ -268,7 +268,7 @@ export class ShaftForm {
   #typed(pointer, { size, alike }) {
     const { value, error } = this.#fields.read(pointer);
     if (error) this.onChange(this.request);
-    else this.#change(set(this.request, pointer, value, { size, others: alike ? value : 0 }));
+    else this.#change(write(this.request, pointer, value, { size, others: alike ? value : 0 }));
   }
 
   /** The arrangement of each preloaded pair. */

@@ -1,6 +1,6 @@
 // The scene of a shaft with the settings of its analysis and of its run in time: one object, from which both jobs are made.
 
-import { read, steps } from './request.js';
+import { read, write } from './request.js';
 
 /** A 7008 AC: 40 × 68 × 15 mm, 17 balls, 25°. */
 const ANGULAR_CONTACT_7008 = {
@@ -58,40 +58,6 @@ export const machineJob = (request) => ({ kind: 'machine', ...pick(request, ['sc
 /** The scene and the settings of a job of either kind. */
 export const ofJob = (job) => structuredClone(pick(job, ['scene', ...OF_ANALYSIS, ...OF_RUN]));
 
-const isIndex = (step) => /^\d+$/.test(step);
-/** Nothing, an object of nothing, or a list of zeros. */
-const isEmpty = (value) =>
-  value === undefined ||
-  (Array.isArray(value) && value.every((one) => one === 0)) ||
-  (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
-
-/** A copy with one value set, or removed if it is `undefined`. A bearing that is only named becomes an object for its changes, and a
- *  name again without them. `size`: length of a list of numbers that begins with this value, `others`: its other numbers. */
-export function set(request, pointer, value, { size = 0, others = 0 } = {}) {
-  const copy = structuredClone(request);
-  const path = steps(pointer);
-  const parents = [];
-  let at = copy;
-  path.slice(0, -1).forEach((step, i) => {
-    if (typeof at[step] === 'string') at[step] = { preset: at[step] };
-    at[step] ??= isIndex(path[i + 1]) ? Array(size).fill(others) : {};
-    parents.push([at, step]);
-    at = at[step];
-  });
-  const last = path.at(-1);
-  // A list of numbers has no gaps.
-  if (value !== undefined) at[last] = value;
-  else if (Array.isArray(at)) at[last] = 0;
-  else delete at[last];
-  for (const [parent, step] of value === undefined ? parents.toReversed() : []) {
-    const inner = parent[step];
-    if (Object.keys(inner).join() === 'preset') parent[step] = inner.preset;
-    const isRequired = ['scene', 'shaft', 'operation', 'sections', 'bearings'].includes(step) || isIndex(step);
-    if (isEmpty(inner) && !isRequired) delete parent[step];
-  }
-  return copy;
-}
-
 /** Items of a list. */
 export function listAt(request, pointer) {
   const list = read(request, pointer);
@@ -120,13 +86,13 @@ const NAMING = {
 export function renamed(request, pointer, name) {
   const list = pointer.split('/').slice(0, -2).join('/');
   const old = read(request, pointer);
-  let copy = set(request, pointer, name);
+  let copy = write(request, pointer, name);
   for (const { list: other, needs = [], takes = [] } of NAMING[list] ?? [])
     listAt(request, other).forEach((item, i) =>
       [...needs, ...takes]
         .filter((path) => read(item, `/${path}`) === old)
         .forEach((path) => {
-          copy = set(copy, `${other}/${i}/${path}`, name);
+          copy = write(copy, `${other}/${i}/${path}`, name);
         }),
     );
   return copy;
@@ -135,14 +101,14 @@ export function renamed(request, pointer, name) {
 /** A copy without an item. Items that need it go with it, others name it no longer. */
 export function without(request, list, index) {
   const { name } = listAt(request, list)[index];
-  const put = (copy, pointer, items) => set(copy, pointer, items.length || pointer.endsWith('sections') ? items : undefined);
+  const put = (copy, pointer, items) => write(copy, pointer, items.length || pointer.endsWith('sections') ? items : undefined);
   let copy = request;
   for (const { list: other, needs = [], takes = [] } of name === undefined ? [] : (NAMING[list] ?? [])) {
     listAt(copy, other).forEach((item, i) =>
       takes
         .filter((path) => read(item, `/${path}`) === name)
         .forEach((path) => {
-          copy = set(copy, `${other}/${i}/${path}`, undefined);
+          copy = write(copy, `${other}/${i}/${path}`, undefined);
         }),
     );
     const kept = listAt(copy, other).filter((item) => !needs.some((path) => read(item, `/${path}`) === name));

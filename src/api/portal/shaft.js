@@ -4,12 +4,12 @@ import * as api from './api.js';
 import { h, labelledRadio, small, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { moment } from './format.js';
-import { isOfShaft } from './request.js';
+import { isOfShaft, write } from './request.js';
 import { Result } from './result.js';
 import { RotorView } from './rotor.js';
 import { ShaftDrawing } from './shaft-drawing.js';
 import { ShaftForm } from './shaft-form.js';
-import { EXAMPLE, machineJob, ofJob, rotorJob, set } from './shaft-request.js';
+import { EXAMPLE, machineJob, ofJob, rotorJob } from './shaft-request.js';
 
 /** Pause in typing after which the shaft is analysed [ms]. */
 const TYPING_PAUSE = 250;
@@ -31,7 +31,7 @@ export class Shaft {
     });
     this.drawing = new ShaftDrawing(at('shaft-drawing'), {
       presets,
-      move: (pointer, place) => this.edit(set(this.request, `${pointer}/at_mm`, Number(place.toFixed(3)))),
+      move: (pointer, place) => this.edit(write(this.request, `${pointer}/at_mm`, Number(place.toFixed(3)))),
       choose: (pointer) => this.form.focus(pointer),
       remove: (list, index) => this.form.remove(list, index),
     });
