@@ -34,7 +34,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 34] = files! {
+static FILES: [File; 36] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -45,7 +45,9 @@ static FILES: [File; 34] = files! {
     "dom.js": SCRIPT,
     "download.js": SCRIPT,
     "fields.js": SCRIPT,
+    "form.js": SCRIPT,
     "format.js": SCRIPT,
+    "housing-drawing.js": SCRIPT,
     "jobs.js": SCRIPT,
     "machine.js": SCRIPT,
     "main.js": SCRIPT,

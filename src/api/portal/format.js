@@ -93,18 +93,18 @@ function surfacesTitle({ preset, inner = {}, outer = {}, balls = [], every_ball:
     .join(', ');
 }
 
-/** Length, bearings and speed of a shaft. */
+/** Length, bearings and speed of a shaft or a rigid spindle. */
 function shaftTitle({ shaft, bearings = [], supports = [], operation = {} }) {
-  const length = (shaft.sections ?? []).reduce((sum, section) => sum + (Number(section.length_mm) || 0), 0);
+  const length = (shaft?.sections ?? []).reduce((sum, section) => sum + (Number(section.length_mm) || 0), 0);
   const names = bearings.map(({ name, bearing }) => [name, typeof bearing === 'string' ? bearing : bearing?.preset].filter(Boolean).join('\u00a0'));
   const on = [...names, supports.length && `${supports.length} supports`].filter(Boolean).join(', ');
-  return [`Shaft ${quantity(length, 'mm')}`, on && `on ${on}`, quantity(operation.speed_rpm, 'r/min')].filter(Boolean).join(' · ');
+  return [shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle', on && `on ${on}`, quantity(operation.speed_rpm, 'r/min')].filter(Boolean).join(' · ');
 }
 
 /** A one-line title of a request. */
 export function title(request) {
   const { scene = {}, axes } = request ?? {};
-  if (scene.shaft) return shaftTitle(scene);
+  if (scene.shaft ?? scene.bearings) return shaftTitle(scene);
   const { bearing, operation = {}, spindle = {}, lubricant, surfaces } = scene;
   const { preset, ...changed } = typeof bearing === 'string' ? { preset: bearing } : (bearing ?? {});
   const name = preset ? [preset, ...changes(changed)].join(', ') : 'own bearing';

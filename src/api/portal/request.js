@@ -10,9 +10,19 @@ export const START = {
   },
 };
 
-/** Pointers at which a name may replace an object, with the member of the object that holds the name. */
-const NAMED = { '/scene/bearing': 'preset', '/scene/lubricant': 'kind' };
+/** Members that a name may replace, with the member of the object that holds the name. */
+const NAMED = { bearing: 'preset', lubricant: 'kind' };
+/** Objects and lists that stay though they are empty, because a request needs them. */
+const REQUIRED = ['scene', 'operation', 'shaft', 'sections', 'bearing', 'bearings'];
 
+const isIndex = (step) => /^\d+$/.test(step);
+/** Nothing, an object of nothing, or a list of zeros. */
+const isEmpty = (value) =>
+  value === undefined ||
+  (Array.isArray(value) && value.every((one) => one === 0)) ||
+  (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
+
+/** The steps of a JSON pointer. */
 const steps = (pointer) =>
   pointer
     .split('/')
@@ -23,38 +33,34 @@ export function read(object, pointer) {
   return steps(pointer).reduce((at, step) => (typeof at === 'object' && at !== null ? at[step] : undefined), object);
 }
 
-/** A copy with one value set, or removed if it is `undefined`. */
-export function write(job, pointer, value) {
-  const copy = structuredClone(job);
+/** A copy with one value set, or removed if it is `undefined`. A name becomes an object for changes of what it names, and a name again
+ *  without them. `size`: length of a list of numbers that begins with this value, `others`: its other numbers. */
+export function write(request, pointer, value, { size = 0, others = 0 } = {}) {
+  const copy = structuredClone(request);
   const path = steps(pointer);
-  const last = path.pop();
+  const parents = [];
   let at = copy;
-  let here = '';
-  for (const step of path) {
-    here += `/${step}`;
-    if (typeof at[step] === 'string' && NAMED[here]) at[step] = { [NAMED[here]]: at[step] };
-    if (typeof at[step] !== 'object' || at[step] === null) at[step] = {};
+  path.slice(0, -1).forEach((step, i) => {
+    if (typeof at[step] === 'string' && NAMED[step]) at[step] = { [NAMED[step]]: at[step] };
+    if (typeof at[step] !== 'object' || at[step] === null) at[step] = isIndex(path[i + 1]) ? Array(size).fill(others) : {};
+    parents.push([at, step]);
     at = at[step];
+  });
+  const last = path.at(-1);
+  // A list of numbers has no gaps.
+  if (value !== undefined) at[last] = value;
+  else if (Array.isArray(at)) at[last] = 0;
+  else delete at[last];
+  for (const [parent, step] of value === undefined ? parents.toReversed() : []) {
+    const inner = parent[step];
+    if (NAMED[step] && Object.keys(inner).join() === NAMED[step]) parent[step] = inner[NAMED[step]];
+    else if (isEmpty(inner) && !REQUIRED.includes(step) && !isIndex(step)) delete parent[step];
   }
-  if (value === undefined) delete at[last];
-  else at[last] = value;
-  return tidy(copy);
+  return copy;
 }
 
-/** Removes empty objects, and replaces an object with only a name by the name. */
-function tidy(job) {
-  const swept = (value, here) => {
-    if (typeof value !== 'object' || value === null || Array.isArray(value)) return value;
-    const members = Object.entries(value)
-      .map(([name, inner]) => [name, swept(inner, `${here}/${name}`)])
-      .filter(([, inner]) => inner !== undefined);
-    const keepsEmpty = ['', '/scene', '/scene/operation', '/scene/bearing'].includes(here);
-    if (members.length === 0 && !keepsEmpty) return undefined;
-    if (members.length === 1 && members[0][0] === NAMED[here]) return members[0][1];
-    return Object.fromEntries(members);
-  };
-  return swept(job, '');
-}
+/** Whether a request has a shaft, or bearings on a rigid spindle. */
+export const isOfShaft = (request) => Boolean(request?.scene?.shaft ?? request?.scene?.bearings);
 
 /** Requests, run and tab from the part of the address after `#`. */
 export function fromAddress() {
@@ -68,7 +74,7 @@ export function fromAddress() {
     }
   });
   const whole = (value) => (value && typeof value === 'object' ? value : null);
-  return { job: whole(job), shaft: whole(shaft)?.scene?.shaft ? shaft : null, run: parameters.get('run'), tab: parameters.get('tab') };
+  return { job: whole(job), shaft: isOfShaft(whole(shaft)) ? shaft : null, run: parameters.get('run'), tab: parameters.get('tab') };
 }
 
 /** Whether a word has the form of a job id. */

@@ -3,7 +3,7 @@
 import { Chart } from './chart.js';
 import { h, s, table } from './dom.js';
 import { number, quantity } from './format.js';
-import { lengthOf, listAt } from './shaft-request.js';
+import { lengthOf, listAt, sectionsOf } from './shaft-request.js';
 
 /** Sign, name and line of a whirl. */
 const WHIRLS = {
@@ -29,8 +29,8 @@ function placeName(request, at) {
 }
 
 export class RotorView {
-  constructor(host) {
-    this.host = host;
+  constructor(host, presets) {
+    Object.assign(this, { host, presets });
     this.campbell = new Chart(420);
     this.response = new Chart(320);
     this.deflection = new Chart(240);
@@ -248,7 +248,7 @@ export class RotorView {
   }
 
   #drawForces() {
-    const { supports, bearings = [], mounts = [], speeds_rpm: speeds, operating } = this.answer;
+    const { supports, bearings = [], mounts = [], sensors = [], speeds_rpm: speeds, operating } = this.answer;
     const linear = supports.length - bearings.length;
     const nearest = speeds.reduce(
       (best, speed, k) => (Math.abs(speed - operating.speed_rpm) < Math.abs(speeds[best] - operating.speed_rpm) ? k : best),
@@ -259,6 +259,7 @@ export class RotorView {
       ...bearings.map((one) => one.name),
       ...mounts.map((_, k) => `mount ${k + 1}`),
     ];
+    /** What rounding leaves of zero is zero. */
     const force = (value) => number(Math.abs(value) < 1e-6 ? 0 : value, 4);
     const rows = [...supports, ...mounts].map(({ static_force_n: rest, unbalance_force_y_n: y, unbalance_force_z_n: z }, k) => [
       names[k],
@@ -285,6 +286,13 @@ export class RotorView {
             stiffness,
           )
         : '',
+      sensors.length
+        ? table(
+            `Displacement at the sensors; from unbalance at ${quantity(speeds[nearest], 'r/min', 6)}`,
+            ['Sensor', 'at rest, µm', 'unbalance, µm'],
+            sensors.map((one) => [one.name, force(one.static_um), number(one.displacement_um[nearest], 4)]),
+          )
+        : '',
     );
   }
 
@@ -296,7 +304,7 @@ export class RotorView {
     this.shapeWidth = width;
     const { shape } = motion;
     const { nodes_mm: nodes, supports } = this.answer;
-    const sections = listAt(this.request, '/scene/shaft/sections');
+    const sections = sectionsOf(this.request, this.presets);
     const length = lengthOf(this.request);
     const axis = SHAPE_HEIGHT / 2;
     const x = (at) => 10 + ((width - 20) * at) / length;

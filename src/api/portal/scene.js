@@ -1,33 +1,21 @@
 // The form: a view of the request. It writes edits into the request and shows the defaults of the service as placeholders. Errors
 // appear at the field of their pointer.
 
-import { h, options } from './dom.js';
+import { h, select } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
+import { field, Fields, focusFirstError, idOf, ownDimensions, readNumber, textInput } from './form.js';
 import { number, PAIR, pairOf, plainNumber, words } from './format.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
 
-/** Required fields of a bearing without preset; they start with the values of the current bearing. */
-const REQUIRED = [
-  'type',
-  'outer_diameter_mm',
-  'inner_diameter_mm',
-  'width_mm',
-  'ball_count',
-  'ball_diameter_mm',
-  'pitch_diameter_mm',
-];
+const BEARING = '/scene/bearing';
 
 export class SceneForm {
-  #inputs = new Map();
-  #errors = new Map();
-  #unreadable = new Map();
+  #fields = new Fields();
 
   /** `onChange(job)` gets every changed request; `compare()` runs the scene with and without its surfaces. */
   constructor(host, { document, presets, onChange, compare }) {
-    this.document = document;
-    this.presets = presets;
-    this.onChange = onChange;
+    Object.assign(this, { host, document, presets, onChange });
     // A request from outside and one from the surfaces show alike.
     this.surfaces = new SurfacesForm({ document, presets, onChange: (job) => this.#update(job), compare });
     const groups = GROUPS.map((group) => this.#group(group));
@@ -45,9 +33,9 @@ export class SceneForm {
       ? 'All dimensions are entered below.'
       : `${this.presets.bearings[this.preset.value]?.description ?? ''}${changed ? '; with changes below' : ''}`;
     for (const spec of FIELDS) {
-      const input = this.#inputs.get(spec.pointer);
+      const { input } = this.#fields.get(spec.pointer);
       const value = this.#requested(spec);
-      if (!this.#unreadable.has(spec.pointer) && !(document.activeElement === input && same(spec, input.value, value))) {
+      if (!this.#fields.isUnreadable(spec.pointer) && !(document.activeElement === input && same(spec, input.value, value))) {
         input.value = shown(spec, value);
       }
       input.closest('.field').classList.toggle('edited', value !== undefined);
@@ -58,7 +46,7 @@ export class SceneForm {
   /** Shows the defaults of empty fields. */
   showDefaults(resolved) {
     for (const spec of FIELDS) {
-      const input = this.#inputs.get(spec.pointer);
+      const { input } = this.#fields.get(spec.pointer);
       const value = spec.lubricants
         ? resolved.scene.lubricant?.kind
         : (read(resolved, spec.pointer) ?? (spec.derived && read(resolved, spec.derived)));
@@ -71,63 +59,35 @@ export class SceneForm {
 
   /** Shows errors at their fields and returns those without a field. */
   showErrors(errors) {
-    for (const pointer of this.#errors.keys()) this.#error(pointer, '');
-    const elsewhere = [];
-    for (const { pointer, detail } of this.surfaces.showErrors(errors)) {
-      const known = [...this.#errors.keys()];
-      const near =
-        pointer === '/scene/bearing'
-          ? 'preset'
-          : (known.find((one) => one === pointer) ?? known.find((one) => pointer.startsWith(`${one}/`)));
-      if (near) this.#error(near, detail);
-      else elsewhere.push({ pointer, detail });
-    }
-    for (const [pointer, detail] of this.#unreadable) this.#error(pointer, detail);
-    return elsewhere;
+    return this.#fields.showErrors(this.surfaces.showErrors(errors)).elsewhere;
   }
 
   /** Whether a field contains text that is not a number. */
   get unreadable() {
-    return this.#unreadable.size > 0 || this.surfaces.unreadable;
+    return this.#fields.unreadable || this.surfaces.unreadable;
   }
 
   /** Focuses the field of the first error. */
   focusFirstError() {
-    const field = document.querySelector('.field.wrong');
-    field?.querySelector('input, select')?.focus();
+    focusFirstError(this.host);
   }
 
   #bearing() {
     const names = Object.keys(this.presets.bearings);
-    this.preset = h(
-      'select',
-      {
-        id: 'preset',
-        'aria-describedby': 'preset-note preset-error',
-        onchange: () => this.#choosePreset(),
-      },
-      options([...names.map((name) => [name, name]), ['', 'own dimensions']]),
-    );
+    this.preset = select([...names.map((name) => [name, name]), ['', 'own dimensions']], () => this.#choosePreset());
     this.presetNote = h('p', { id: 'preset-note', class: 'note' });
-    this.#inputs.set('preset', this.preset);
-    const error = h('p', { id: 'preset-error', class: 'error', 'aria-live': 'polite' });
-    this.#errors.set('preset', error);
-    return h(
-      'div',
-      { class: 'field wide preset' },
-      h('label', { for: 'preset' }, 'Bearing'),
-      this.preset,
-      error,
-      this.presetNote,
-    );
+    const preset = field({ id: 'preset', label: 'Bearing', input: this.preset, isWide: true });
+    this.preset.setAttribute('aria-describedby', 'preset-note preset-error');
+    preset.element.classList.add('preset');
+    preset.element.append(this.presetNote);
+    return this.#fields.add(BEARING, preset);
   }
 
   #choosePreset() {
-    this.#unreadable.clear();
+    this.#fields.giveUp();
     const name = this.preset.value;
     const current = this.resolved?.scene.bearing ?? Object.values(this.presets.bearings)[0].bearing;
-    const own = Object.fromEntries(REQUIRED.map((field) => [field, current[field]]));
-    this.#update(write(this.job, '/scene/bearing', name || own));
+    this.#update(write(this.job, BEARING, name || ownDimensions(current)));
   }
 
   #group(group) {
@@ -141,31 +101,12 @@ export class SceneForm {
   }
 
   #field(spec) {
-    const id = `f${spec.pointer.replaceAll('/', '-')}`;
     const schema = schemaAt(this.document, spec.pointer);
-    const described = { id, 'aria-describedby': `${spec.unit ? `${id}-unit ` : ''}${id}-hint ${id}-error` };
-    const input =
-      spec.choices || spec.lubricants
-        ? h('select', { ...described, onchange: () => this.#edited(spec, input) }, options(this.#choices(spec, schema)))
-        : h('input', {
-            ...described,
-            type: 'text',
-            inputmode: 'decimal',
-            autocomplete: 'off',
-            spellcheck: 'false',
-            oninput: () => this.#edited(spec, input),
-          });
-    this.#inputs.set(spec.pointer, input);
-    const error = h('p', { id: `${id}-error`, class: 'error', 'aria-live': 'polite' });
-    this.#errors.set(spec.pointer, error);
-    return h(
-      'div',
-      { class: `field${spec.wide ? ' wide' : ''}` },
-      h('label', { for: id }, spec.label, symbol(spec.symbol)),
-      h('div', { class: 'entry' }, input, spec.unit && h('span', { id: `${id}-unit`, class: 'unit' }, spec.unit)),
-      error,
-      h('p', { id: `${id}-hint`, class: 'hint' }, help(schema)),
-    );
+    const edited = () => this.#edited(spec, input);
+    const input = spec.choices || spec.lubricants ? select(this.#choices(spec, schema), edited) : textInput(edited);
+    const label = [spec.label, symbol(spec.symbol)].filter(Boolean);
+    const id = idOf('f', spec.pointer);
+    return this.#fields.add(spec.pointer, field({ id, label, unit: spec.unit, input, help: help(schema), isWide: spec.wide }));
   }
 
   #choices(spec, schema) {
@@ -181,21 +122,12 @@ export class SceneForm {
 
   #edited(spec, input) {
     const isNumber = input.tagName === 'INPUT';
-    const text = isNumber ? plainNumber(input.value) : input.value.trim();
-    this.#unreadable.delete(spec.pointer);
-    if (spec.pair && text !== '' && !pairOf(input.value)) {
-      this.#unreadable.set(spec.pointer, 'These are not two numbers. Write, for example, 890 to 3500.');
+    const text = { value: input.value.trim() || undefined };
+    const { value, error } = isNumber ? this.#fields.read(spec.pointer, spec.pair ? readPair : readNumber) : text;
+    if (error) {
       this.onChange(this.job);
       return;
     }
-    if (isNumber && !spec.pair && text !== '' && !Number.isFinite(Number(text))) {
-      const digits = /^\d{1,3}(,\d{3})+$/.test(text) ? `: a comma may separate thousands. Write ${text.replaceAll(',', '')} or ${text.replace(',', '.')}` : '';
-      this.#unreadable.set(spec.pointer, `This is not a number${digits}.`);
-      this.onChange(this.job);
-      return;
-    }
-    const entered = () => (spec.pair ? pairOf(input.value) : isNumber ? Number(text) : text);
-    const value = text === '' ? undefined : entered();
     const keep = spec.lubricants && typeof read(this.job, spec.pointer) === 'object' ? `${spec.pointer}/kind` : spec.pointer;
     this.#update(write(this.job, keep, value));
   }
@@ -203,19 +135,6 @@ export class SceneForm {
   #update(job) {
     this.show(job);
     this.onChange(job);
-  }
-
-  #error(pointer, detail) {
-    const error = this.#errors.get(pointer);
-    error.textContent = detail;
-    error.closest('.field').classList.toggle('wrong', Boolean(detail));
-    const input = this.#inputs.get(pointer);
-    if (detail) {
-      input.setAttribute('aria-invalid', 'true');
-      input.closest('details')?.setAttribute('open', '');
-    } else {
-      input.removeAttribute('aria-invalid');
-    }
   }
 
   /** Shows the help of a field next to the button. A fixed place keeps the form from moving. */
@@ -231,6 +150,12 @@ export function symbol(text) {
   return text
     ? h('span', { class: 'symbol', 'aria-hidden': 'true' }, h('i', {}, text[0]), text.length > 1 && h('sub', {}, text.slice(1)))
     : null;
+}
+
+/** The `value` of two typed numbers, undefined if the text is empty, or an `error`. */
+function readPair(text) {
+  const value = pairOf(text) ?? undefined;
+  return value || text.trim() === '' ? { value } : { error: 'These are not two numbers. Write, for example, 890 to 3500.' };
 }
 
 /** The text of a value in its field. */

@@ -2,23 +2,29 @@
 
 import { h, s } from './dom.js';
 import { number, quantity } from './format.js';
-import { dimensions, lengthOf, listAt } from './shaft-request.js';
+import * as housing from './housing-drawing.js';
+import { finite, LETTER, mayLieBeyond, mountAt, SPRING } from './housing-drawing.js';
+import { read } from './request.js';
+import { dimensions, isRigid, lengthOf, listAt, sectionsOf } from './shaft-request.js';
 
 const PAD = 26;
 /** Largest half height of the drawing, without marks [px]. */
 const MOST_HALF = 120;
-/** Room above the shaft for names, and below it for supports and dimensions [px]. */
-const ABOVE = 46;
-const BELOW = 88;
-/** Rows of names [px]. */
-const NAMES = { bearing: 14, sensor: 30 };
+/** Room above the shaft for names of bearings and marks of sensors, and below it for dimensions [px]. */
+const ABOVE = 32;
+const BELOW = 70;
+/** Height of the names of bearings, of the first row of those of sensors, and of a row [px]. */
+const NAMES = { bearing: 14, sensor: 30, row: 15 };
+/** Largest place of a rigid spindle [mm]. */
+const LONGEST = 20000;
 /** Change of a place by a key [mm]. */
 const KEYS = { ArrowRight: 1, ArrowLeft: -1, PageUp: 10, PageDown: -10 };
 /** Pointer movement from which on an item moves [px]. */
 const MOVE_FROM = 4;
 
-/** A number of the request, which may still be text or missing. */
-const finite = (value, fallback = 0) => (Number.isFinite(value) ? value : fallback);
+const within = (value, least, most) => Math.min(Math.max(value, least), most);
+/** Name and direction of a sensor. */
+const sensorText = ({ name, direction }) => `${name} ${direction}`;
 
 export class ShaftDrawing {
   /** `move(pointer, at_mm)`, `choose(pointer)` and `remove(list, index)` are actions of the form. */
@@ -33,7 +39,7 @@ export class ShaftDrawing {
         h(
           'figcaption',
           {},
-          'To scale, mm. Drag an item or move it with the arrow keys; Enter or a click leads to its fields, Delete removes it. Dash-dotted: lines of contact and their pressure centres.',
+          'To scale, mm. Drag an item or move it with the arrow keys; Enter or a click leads to its fields, Delete removes it. Dash-dotted: lines of contact and their pressure centres. Dashed frames: bodies of the housing, as far as they reach along the shaft.',
         ),
       ),
     );
@@ -54,27 +60,34 @@ export class ShaftDrawing {
     const length = lengthOf(this.request);
     if (!width || !(length > 0)) return;
     this.width = width;
-    const sections = listAt(this.request, '/scene/shaft/sections');
+    const sections = sectionsOf(this.request, this.presets);
     const discs = listAt(this.request, '/scene/shaft/discs').map(solid);
     const bearings = listAt(this.request, '/scene/bearings').map(({ bearing }) => dimensions(bearing, this.presets));
+    const widths = bearings.map((bearing) => bearing.width_mm);
+    const bodies = housing.bodiesOf(this.request, widths);
     const radii = [
       ...sections.map((section) => finite(section.outer_diameter_mm) / 2),
       ...discs.map(({ radius }) => radius),
       ...bearings.map((bearing) => finite(bearing.outer_diameter_mm) / 2),
     ];
     const largest = Math.max(...radii, 1);
-    // Discs and bearings at the ends reach beyond the shaft.
-    const before = Math.max(0, ...this.#reaches(discs, bearings).map(([at, half]) => half - at));
-    const after = Math.max(0, ...this.#reaches(discs, bearings).map(([at, half]) => at + half - length));
-    const scale = Math.min((width - 2 * PAD) / (length + before + after), MOST_HALF / largest);
-    const left = (width - scale * (length + before + after)) / 2 + scale * before;
+    const [from, to] = this.#extent(discs, bearings, bodies, length);
+    const scale = Math.min((width - 2 * PAD) / (to - from), MOST_HALF / largest);
+    const left = (width - scale * (to - from)) / 2;
     const half = largest * scale;
-    const axis = ABOVE + half;
-    const height = ABOVE + 2 * half + BELOW;
-    this.frame = { left, scale, length };
+    const x = (at) => left + scale * (within(at, from, to) - from);
+    const rows = this.#rows(x);
+    const room = housing.roomOf(bodies);
+    const axis = ABOVE + Math.max(1, ...rows.map((row) => row + 1)) * NAMES.row + room.above + half;
+    // Ground of mounts and supports.
+    const base = axis + half + room.below + SPRING;
+    const height = base + BELOW;
+    this.frame = { scale, length };
     // A place beyond the shaft is an error of its field; the drawing shows it at the end.
-    const view = { x: (at) => left + scale * Math.min(Math.max(at, 0), length), scale, axis, half, width };
+    const view = { x, on: (at) => x(within(finite(at), 0, length)), scale, axis, half, width, base };
     const focused = this.place.contains(document.activeElement) ? document.activeElement.dataset.pointer : null;
+    const what = isRigid(this.request) ? 'Rigid spindle' : 'Shaft';
+    const holding = bodies.length ? `, housing bodies: ${bodies.map(({ name }) => name).join(', ')}` : '';
     const svg = s(
       'svg',
       {
@@ -82,23 +95,51 @@ export class ShaftDrawing {
         width,
         height,
         role: 'group',
-        'aria-label': `Shaft of ${quantity(length, 'mm')}, ${quantity(bearings.length, '')} ball bearings`,
+        'aria-label': `${what} of ${quantity(length, 'mm')}, ${quantity(bearings.length, '')} ball bearings${holding}`,
         onpointerdown: (event) => this.#grab(event),
         onkeydown: (event) => this.#key(event),
       },
-      this.#sections(sections, view),
-      this.#housing(bearings, view),
-      s('line', { class: 'axis', x1: view.x(0) - 14, x2: view.x(length) + 14, y1: axis, y2: axis }),
+      this.#leads(bodies, sections, rows, view),
+      this.#housing(bodies, view),
+      this.#sections(sections, bearings, view),
+      s('line', { class: 'axis', x1: x(0) - 14, x2: x(length) + 14, y1: axis, y2: axis }),
+      isRigid(this.request) && this.#centre(view),
       discs.map((disc, i) => this.#disc(disc, i, view)),
       bearings.map((bearing, i) => this.#bearing(bearing, i, view)),
-      listAt(this.request, '/scene/supports').map((support, i) => this.#support(support, i, view)),
+      listAt(this.request, '/scene/supports').map((support, i) => this.#support(support, i, bodies, view)),
       listAt(this.request, '/scene/shaft/unbalances').map((unbalance, i) => this.#unbalance(unbalance, i, sections, view)),
-      listAt(this.request, '/scene/sensors').map((sensor, i) => this.#sensor(sensor, i, sections, view)),
+      listAt(this.request, '/scene/sensors').map((sensor, i) => this.#sensor(sensor, i, bodies, sections, rows[i], view)),
       this.#measures(sections, view, height),
     );
     this.svg = svg;
     this.place.replaceChildren(svg);
     if (focused) svg.querySelector(`[data-pointer="${focused}"]`)?.focus();
+  }
+
+  /** First and last place of the drawing [mm]: the shaft with what reaches beyond it, at most a length to either side. */
+  #extent(discs, bearings, bodies, length) {
+    const mounts = listAt(this.request, '/scene/housing/mounts').map((mount) => mountAt(mount, bodies));
+    const places = [
+      ...this.#reaches(discs, bearings).flatMap(([at, half]) => [at - half, at + half]),
+      ...bodies.flatMap(({ from, to }) => [from, to]),
+      ...mounts,
+    ];
+    return [Math.max(Math.min(0, ...places), -length), Math.min(Math.max(length, ...places), 2 * length)];
+  }
+
+  /** The row of the name of each sensor: the first with room for it. */
+  #rows(x) {
+    const sensors = listAt(this.request, '/scene/sensors');
+    const ends = [];
+    const rows = sensors.map(() => 0);
+    const byPlace = sensors.map(({ at_mm: at }, i) => [x(finite(at)), i]).sort(([one], [other]) => one - other);
+    for (const [place, i] of byPlace) {
+      const half = (sensorText(sensors[i]).length * LETTER) / 2 + 3;
+      const row = ends.findIndex((end) => end < place - half);
+      rows[i] = row < 0 ? ends.length : row;
+      ends[rows[i]] = place + half;
+    }
+    return rows;
   }
 
   /** Places and half widths of discs and bearings [mm]. */
@@ -108,11 +149,12 @@ export class ShaftDrawing {
       ...discs.map(({ at, width }) => [at, width / 2]),
       ...bearings.map((bearing, i) => [places[i], finite(bearing.width_mm) / 2]),
     ];
-    return all.map(([at, half]) => [Math.min(Math.max(at, 0), lengthOf(this.request)), half]);
+    return all.map(([at, half]) => [within(at, 0, lengthOf(this.request)), half]);
   }
 
   /** A group for an item with a place on the shaft. */
   #item(list, index, name, at, ...shapes) {
+    const [least, most] = this.#range(`${list}/${index}`);
     return s(
       'g',
       {
@@ -120,8 +162,8 @@ export class ShaftDrawing {
         tabindex: 0,
         role: 'slider',
         'aria-label': `Place of ${name}`,
-        'aria-valuemin': 0,
-        'aria-valuemax': Math.round(this.frame.length),
+        'aria-valuemin': Math.round(least),
+        'aria-valuemax': Math.round(most),
         'aria-valuenow': at,
         'aria-valuetext': `${number(at, 5)} mm`,
         'data-pointer': `${list}/${index}`,
@@ -131,7 +173,10 @@ export class ShaftDrawing {
     );
   }
 
-  #sections(sections, { x, scale, axis }) {
+  #sections(sections, bearings, { x, on, scale, axis }) {
+    const places = listAt(this.request, '/scene/bearings').map(({ at_mm: place }) => on(place));
+    const isCovered = (place) =>
+      places.some((one, i) => Math.abs(one - place) < (finite(bearings[i].width_mm) * scale) / 2 + (3 * LETTER) / 2);
     let at = 0;
     return sections.map((section, i) => {
       const [from, length] = [at, finite(section.length_mm)];
@@ -139,14 +184,18 @@ export class ShaftDrawing {
       const [radius, bore] = [section.outer_diameter_mm, section.inner_diameter_mm].map((d) => (finite(d) / 2) * scale);
       const name = `Section ${i + 1}: ${number(length)} mm long, diameter ${number(finite(section.outer_diameter_mm))} mm`;
       const wide = length * scale;
+      const isFixed = isRigid(this.request);
+      const item = { tabindex: 0, role: 'button', 'aria-label': name, 'data-pointer': `/scene/shaft/sections/${i}` };
       return s(
         'g',
-        { class: 'section', tabindex: 0, role: 'button', 'aria-label': name, 'data-pointer': `/scene/shaft/sections/${i}` },
-        s('title', {}, name),
+        isFixed ? { class: 'rigid' } : { class: 'section', ...item },
+        s('title', {}, isFixed ? 'Rigid spindle' : name),
         s('rect', { class: 'body', x: x(from), y: axis - radius, width: Math.max(wide, 0), height: 2 * radius }),
         bore > 0 && s('rect', { class: 'bore', x: x(from), y: axis - bore, width: Math.max(wide, 0), height: 2 * bore }),
         // Within the lower wall, where it has the room.
-        wide > 34 &&
+        !isFixed &&
+          wide > 34 &&
+          !isCovered(x(from) + wide / 2) &&
           radius - bore > 14 &&
           s(
             'text',
@@ -158,21 +207,22 @@ export class ShaftDrawing {
   }
 
   /** A solid disc with the same mass and inertia. */
-  #disc({ at, radius, width, mass }, i, { x, scale, axis }) {
+  #disc({ at, radius, width, mass }, i, { on, scale, axis }) {
     const [r, w] = [Math.max(radius * scale, 9), Math.max(width * scale, 5)];
     return this.#item(
       '/scene/shaft/discs',
       i,
       `disc ${i + 1}, ${number(mass)} kg`,
       at,
-      s('rect', { class: 'disc', x: x(at) - w / 2, y: axis - r, width: w, height: 2 * r }),
+      s('rect', { class: 'disc', x: on(at) - w / 2, y: axis - r, width: w, height: 2 * r }),
     );
   }
 
   #bearing(bearing, i, view) {
-    const { x, scale, axis } = view;
-    const { at_mm: place, name, faces } = listAt(this.request, '/scene/bearings')[i];
+    const { scale, axis } = view;
+    const { at_mm: place, name, faces, outer_ring: ring = {} } = listAt(this.request, '/scene/bearings')[i];
     const at = finite(place);
+    const middle = view.on(at);
     const mm = (field) => finite(bearing[field]) * scale;
     const [outer, bore, pitch, ball, width] = [
       'outer_diameter_mm',
@@ -182,90 +232,77 @@ export class ShaftDrawing {
       'width_mm',
     ].map(mm);
     const angle = (finite(bearing.contact_angle_deg) * Math.PI) / 180;
-    const lean = (faces === '-x' ? -1 : 1) * Math.tan(angle);
-    const ring = (from, to, side) =>
+    const sense = faces === '-x' ? -1 : 1;
+    const lean = sense * Math.tan(angle);
+    const half = (from, to, side) =>
       s('rect', {
         class: 'ring',
-        x: x(at) - width / 2,
+        x: middle - width / 2,
         y: axis + (side < 0 ? -to : from),
         width,
         height: Math.max(to - from, 1),
       });
     const shapes = [-1, 1].flatMap((side) => {
-      const middle = axis + (side * pitch) / 2;
+      const centre = axis + (side * pitch) / 2;
       const reach = Math.max(outer / 2 - pitch / 2, ball / 2);
       return [
-        ring(pitch / 2 + ball * 0.22, outer / 2, side),
-        ring(bore / 2, pitch / 2 - ball * 0.22, side),
-        s('circle', { class: 'ball', cx: x(at), cy: middle, r: ball / 2 }),
+        half(pitch / 2 + ball * 0.22, outer / 2, side),
+        half(bore / 2, pitch / 2 - ball * 0.22, side),
+        s('circle', { class: 'ball', cx: middle, cy: centre, r: ball / 2 }),
         // The line of contact from the pressure centre on the axis to the outside of the outer ring.
         angle > 0 &&
           s('line', {
             class: 'contact',
-            x1: x(at) - (lean * pitch) / 2,
+            x1: middle - (lean * pitch) / 2,
             y1: axis,
-            x2: x(at) + lean * reach,
-            y2: middle + side * reach,
+            x2: middle + lean * reach,
+            y2: centre + side * reach,
           }),
       ];
     });
     return this.#item(
       '/scene/bearings',
       i,
-      `bearing ${name}`,
+      `bearing ${name}${housing.seatName(ring)}`,
       at,
       shapes,
-      s('text', { class: 'name', x: x(at), y: NAMES.bearing, 'text-anchor': 'middle' }, name),
+      housing.seatShapes(ring, middle, { outer, height: outer / 2 - pitch / 2 - ball * 0.22, width, sense }, axis),
+      s('text', { class: 'name', x: middle, y: NAMES.bearing, 'text-anchor': 'middle' }, name),
     );
   }
 
-  #support({ at_mm: place }, i, { x, axis, half }) {
-    const at = finite(place);
-    const top = axis + half + 4;
-    return this.#item(
-      '/scene/supports',
-      i,
-      `support ${i + 1}`,
-      at,
-      s('line', { class: 'lead', x1: x(at), x2: x(at), y1: axis, y2: top }),
-      spring(x(at), top),
-    );
+  #support(support, i, bodies, view) {
+    const { at_mm: at, on } = support;
+    const name = `support ${i + 1}${on ? `, on ${on}` : ''}`;
+    return this.#item('/scene/supports', i, name, finite(at), housing.supportShapes(support, view.on(at), bodies, view));
   }
 
-  /** Bodies as frames around what they hold, and their mounts to the ground. */
-  #housing(bearings, view) {
-    const { x, axis, half } = view;
-    const seats = listAt(this.request, '/scene/bearings').map(({ outer_ring: ring, at_mm: at }, i) => [
-      ring?.on,
-      finite(at),
-      finite(bearings[i].width_mm) / 2,
-    ]);
-    const supports = listAt(this.request, '/scene/supports').map(({ on, at_mm: at }) => [on, finite(at), 4]);
-    const bodies = listAt(this.request, '/scene/housing/bodies').map(({ name, at_mm: place, mass_kg: mass }, i) => {
-      const at = finite(place);
-      const held = [...seats, ...supports]
-        .filter(([on]) => on === name)
-        .flatMap(([, one, reach]) => [one - reach, one + reach]);
-      const [from, to] = [Math.min(...held, at - 8), Math.max(...held, at + 8)];
-      const [left, right] = [x(from) - 5, x(to) + 5];
-      return this.#item(
-        '/scene/housing/bodies',
-        i,
-        `body ${name}, ${number(finite(mass))} kg`,
-        at,
-        s('rect', { class: 'housing', x: left, y: axis - half - 5, width: right - left, height: 2 * half + 10, rx: 4 }),
-        s('path', { class: 'centre', d: `M${x(at) - 5} ${axis - half - 5}h10M${x(at)} ${axis - half - 10}v10` }),
-        s('text', { class: 'soft', x: left + 4, y: axis - half + 9 }, name),
-      );
+  /** Bodies as frames around what they hold, and their mounts to the ground or to each other. */
+  #housing(bodies, view) {
+    const frames = bodies.map((body, i) => {
+      const label = `${body.name}, ${number(body.mass)} kg`;
+      return {
+        level: body.level,
+        item: this.#item('/scene/housing/bodies', i, `body ${label}`, body.at, housing.bodyShapes(body, label, view)),
+      };
     });
-    const mounts = listAt(this.request, '/scene/housing/mounts').map(({ body, at_mm: place }, i) => {
-      const at = finite(place);
-      return this.#item('/scene/housing/mounts', i, `mount of ${body}`, at, spring(x(at), axis + half + 4));
+    const mounts = listAt(this.request, '/scene/housing/mounts').map((mount, i) => {
+      const name = `mount of ${mount.body} ${mount.to ? `to ${mount.to}` : 'to the ground'}`;
+      return this.#item('/scene/housing/mounts', i, name, mountAt(mount, bodies), housing.mountShapes(mount, bodies, view));
     });
-    return [bodies, mounts];
+    // An outer frame would cover an inner one.
+    return [frames.sort((one, other) => other.level - one.level).map(({ item }) => item), mounts];
   }
 
-  #unbalance({ at_mm: place, unbalance_g_mm: size, phase_deg: phase }, i, sections, { x, scale, axis }) {
+  /** The mass centre of a rigid spindle. */
+  #centre({ x, axis }) {
+    const { centre_mm: given } = this.request.scene.spindle ?? {};
+    const places = listAt(this.request, '/scene/bearings').map(({ at_mm: at }) => finite(at));
+    const at = finite(given, (Math.min(...places) + Math.max(...places)) / 2);
+    return s('g', {}, s('title', {}, `Mass centre, ${number(at, 5)} mm`), housing.massCentre(x(at), axis));
+  }
+
+  #unbalance({ at_mm: place, unbalance_g_mm: size, phase_deg: phase }, i, sections, { on, scale, axis }) {
     const at = finite(place);
     const radius = radiusAt(sections, at) * scale;
     // +Y is down: the mark shows the height of the heavy spot.
@@ -275,27 +312,42 @@ export class ShaftDrawing {
       i,
       `unbalance ${i + 1}, ${number(finite(size))} g·mm`,
       at,
-      s('circle', { class: 'heavy', cx: x(at), cy: y, r: 4.5 }),
+      s('circle', { class: 'heavy', cx: on(at), cy: y, r: 4.5 }),
     );
   }
 
-  #sensor({ at_mm: place, name, direction }, i, sections, { x, scale, axis }) {
-    const at = finite(place);
-    const tip = axis - radiusAt(sections, at) * scale - 1;
+  /** Lines from the names of sensors to their marks. */
+  #leads(bodies, sections, rows, view) {
+    const lines = listAt(this.request, '/scene/sensors').map((sensor, i) => {
+      const { x, tip } = this.#sensorPlace(sensor, bodies, sections, view);
+      return s('line', { class: 'lead', x1: x, x2: x, y1: NAMES.sensor + 4 + NAMES.row * rows[i], y2: tip - 9 });
+    });
+    return s('g', { 'aria-hidden': 'true' }, lines);
+  }
+
+  #sensorPlace(sensor, bodies, sections, view) {
+    const at = finite(sensor.at_mm);
+    const surface = view.axis - radiusAt(sections, at) * view.scale - 1;
+    const x = mayLieBeyond('/scene/sensors', sensor) ? view.x(at) : view.on(at);
+    return { x, ...housing.sensorTips(sensor, bodies, surface, view) };
+  }
+
+  #sensor(sensor, i, bodies, sections, row, view) {
+    const { x, tip, from } = this.#sensorPlace(sensor, bodies, sections, view);
     return this.#item(
       '/scene/sensors',
       i,
-      `sensor ${name}, ${direction}`,
-      at,
-      s('line', { class: 'lead', x1: x(at), x2: x(at), y1: NAMES.sensor + 4, y2: tip - 9 }),
-      s('path', { class: 'sensor', d: `M${x(at)} ${tip}l-5 -9h10z` }),
-      s('text', { x: x(at), y: NAMES.sensor, 'text-anchor': 'middle' }, `${name} ${direction}`),
+      housing.sensorName(sensor),
+      finite(sensor.at_mm),
+      from !== undefined && s('path', { class: 'from', d: `M${x} ${tip}V${from}M${x - 5} ${from}h10` }),
+      s('path', { class: 'sensor', d: `M${x} ${tip}l-5 -9h10z` }),
+      s('text', { class: 'tag', x, y: NAMES.sensor + NAMES.row * row, 'text-anchor': 'middle' }, sensorText(sensor)),
     );
   }
 
   /** Lengths of the sections, and below them the places of bearings and supports. Numbers without room are left out. */
-  #measures(sections, { x, axis, half }, height) {
-    const rows = [axis + half + 44, height - 16];
+  #measures(sections, { x, base }, height) {
+    const rows = [base + 26, height - 16];
     const marks = [];
     let [at, free] = [0, -Infinity];
     const bounds = [0, ...sections.map((section) => (at += finite(section.length_mm)))];
@@ -307,9 +359,7 @@ export class ShaftDrawing {
     };
     bounds.slice(1).forEach((to, i) => {
       const [a, b] = [x(bounds[i]), x(to)];
-      marks.push(
-        s('path', { class: 'measure-line', d: `M${a} ${rows[0] - 5}v10M${b} ${rows[0] - 5}v10M${a} ${rows[0]}H${b}` }),
-      );
+      marks.push(s('path', { class: 'measure-line', d: `M${a} ${rows[0] - 5}v10M${b} ${rows[0] - 5}v10M${a} ${rows[0]}H${b}` }));
       marks.push(text((a + b) / 2, rows[0] - 4, number(to - bounds[i])));
     });
     free = -Infinity;
@@ -331,14 +381,28 @@ export class ShaftDrawing {
     const [list, index] = split(pointer);
     if (event.key === 'Enter' || event.key === ' ') this.choose(pointer);
     else if (event.key === 'Delete') this.remove(list, index);
-    else if (KEYS[event.key] && !list.endsWith('sections'))
-      this.#to(pointer, finite(listAt(this.request, list)[index].at_mm) + KEYS[event.key]);
+    else if (KEYS[event.key] && !list.endsWith('sections')) this.#to(pointer, this.#at(pointer) + KEYS[event.key]);
     else return;
     event.preventDefault();
   }
 
+  /** Place of an item [mm]; a mount without one stands at its body. */
+  #at(pointer) {
+    const item = read(this.request, pointer);
+    const bodies = listAt(this.request, '/scene/housing/bodies').map(({ name, at_mm: at }) => ({ name, at: finite(at) }));
+    return pointer.startsWith('/scene/housing/mounts') ? mountAt(item, bodies) : finite(item.at_mm);
+  }
+
+  /** Least and largest place to which an item moves [mm]. */
+  #range(pointer) {
+    const { length } = this.frame;
+    const at = this.#at(pointer);
+    if (mayLieBeyond(pointer, read(this.request, pointer))) return [Math.min(-length, at), Math.max(2 * length, at)];
+    return [0, isRigid(this.request) ? LONGEST : length];
+  }
+
   #to(pointer, at) {
-    this.move(pointer, Math.min(Math.max(at, 0), this.frame.length));
+    this.move(pointer, within(at, ...this.#range(pointer)));
   }
 
   #grab(event) {
@@ -346,16 +410,18 @@ export class ShaftDrawing {
     if (!group) return;
     event.preventDefault();
     const { pointer } = group.dataset;
-    const [list, index] = split(pointer);
+    const isSection = pointer.startsWith('/scene/shaft/sections');
+    // The scale of the start: an item that leaves the drawing changes it.
     const start = {
       x: event.clientX,
-      at: finite(listAt(this.request, list)[index].at_mm),
-      moved: list.endsWith('sections') ? null : false,
+      at: isSection ? 0 : this.#at(pointer),
+      scale: this.frame.scale,
+      moved: isSection ? null : false,
     };
     const move = ({ clientX }) => {
       if (start.moved === null || (!start.moved && Math.abs(clientX - start.x) < MOVE_FROM)) return;
       start.moved = true;
-      this.#to(pointer, Math.round(start.at + (clientX - start.x) / this.frame.scale));
+      this.#to(pointer, Math.round(start.at + (clientX - start.x) / start.scale));
     };
     const stop = ({ type }) => {
       removeEventListener('pointermove', move);
@@ -367,12 +433,6 @@ export class ShaftDrawing {
     addEventListener('pointerup', stop);
     addEventListener('pointercancel', stop);
   }
-}
-
-/** A spring to the ground. */
-function spring(x, top) {
-  const turns = [0, 1, 2, 3, 4].map((k) => `${x + (k % 2 ? 4 : -4)} ${top + 3 * k}`).join('L');
-  return [s('path', { class: 'spring', d: `M${turns}` }), s('path', { class: 'ground', d: `M${x - 9} ${top + 14}h18` })];
 }
 
 /** List and index of the pointer to an item. */

@@ -1,36 +1,26 @@
 // The form of a shaft: its lists and single fields. It writes edits into the request; errors appear at the field of their pointer.
 
-import { h, more, select, small, tools } from './dom.js';
+import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
-import { plainNumber } from './format.js';
-import { read } from './request.js';
-import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT } from './shaft-lists.js';
-import { arrangement, dimensions, listAt, renamed, set } from './shaft-request.js';
+import { field, Fields, focusFirstError, idOf, openAround, ownDimensions, textInput } from './form.js';
+import { read, write } from './request.js';
+import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE } from './shaft-lists.js';
+import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, without } from './shaft-request.js';
 
 const BEARINGS = '/scene/bearings';
 const PRELOADS = '/scene/preloads';
-/** Required dimensions of a bearing without preset; they start with those of the bearing before. */
-const REQUIRED = [
-  'type',
-  'outer_diameter_mm',
-  'inner_diameter_mm',
-  'width_mm',
-  'ball_count',
-  'ball_diameter_mm',
-  'pitch_diameter_mm',
-];
+/** The choice of own dimensions. */
 const OWN = '';
 
-const idOf = (pointer) => `s${pointer.replaceAll('/', '-')}`;
-
 export class ShaftForm {
-  #fields = new Map();
+  #fields = new Fields();
   #places = new Map();
-  #unreadable = new Map();
+  /** Elements that belong to a shaft or to a rigid spindle only. */
+  #parts = [];
 
   /** `onChange(request)` gets every changed request. */
   constructor(host, { document: openapi, presets, onChange }) {
-    Object.assign(this, { openapi, presets, onChange });
+    Object.assign(this, { host, openapi, presets, onChange });
     // The service's document decides: what it does not describe is left out.
     this.known = LISTS.filter(({ of }) => openapi.components.schemas[of]).map((list) => ({
       ...list,
@@ -39,7 +29,9 @@ export class ShaftForm {
     }));
     this.lists = new Map(this.known.map((list) => [list.pointer, this.#list(list)]));
     host.replaceChildren(
+      this.#kind(),
       this.#group(OPERATION),
+      this.#group(SPINDLE),
       ...[...this.lists.values()].map(({ element }) => element),
       this.#group(SHAFT),
       this.#group(ANALYSIS),
@@ -49,12 +41,16 @@ export class ShaftForm {
 
   /** Whether a field contains text that is not a number. */
   get unreadable() {
-    return this.#unreadable.size > 0;
+    return this.#fields.unreadable;
   }
 
   /** Shows a request. The field that is being edited keeps its text. */
   show(request) {
     this.request = request;
+    const part = isRigid(request) ? 'spindle' : 'shaft';
+    if (request.scene.shaft) this.shaft = request.scene.shaft;
+    this.kind.querySelector(`[value=${part}]`).checked = true;
+    for (const { element, part: own } of this.#parts) element.hidden = own !== part;
     // A list is built anew when its items, or those that it may name, change.
     for (const list of this.known) {
       const shown = this.lists.get(list.pointer);
@@ -66,8 +62,10 @@ export class ShaftForm {
       if (shape !== shown.shape) this.#build(list, shown, items.length, shape);
       shown.summary.textContent = items.length && !list.open ? `${list.title}: ${items.length}` : list.title;
     }
-    for (const [pointer, { input, ofValue }] of this.#fields) {
-      if (!this.#unreadable.has(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
+    for (const [pointer, { input, ofValue, when }] of this.#fields) {
+      // A value that does not belong here stays in sight: its error is at its field.
+      if (when) input.closest('.field').hidden = read(request, pointer) === undefined && !this.#holds(when, request);
+      if (!this.#fields.isUnreadable(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
       if (input.tagName === 'INPUT') input.placeholder = this.#fallback(pointer);
     }
     this.#notes();
@@ -75,26 +73,11 @@ export class ShaftForm {
 
   /** Shows errors at their fields, else at the item or list that holds them. Returns those of no place. */
   showErrors(errors) {
-    const at = new Map();
-    const elsewhere = [];
-    for (const { pointer, detail } of errors) {
-      const known = (one) => this.#fields.has(one) || this.#places.has(one);
-      let near = pointer;
-      while (near && !known(near)) near = near.slice(0, near.lastIndexOf('/'));
-      const text = near === pointer ? detail : `${pointer.slice(near.length + 1)}: ${detail}`;
-      if (near) at.set(near, [...(at.get(near) ?? []), text]);
-      else elsewhere.push({ pointer, detail });
+    const { places, elsewhere } = this.#fields.showErrors(errors, (pointer) => this.#places.has(pointer));
+    for (const [pointer, error] of this.#places) {
+      error.textContent = (places.get(pointer) ?? []).join('\n');
+      if (error.textContent) openAround(error);
     }
-    for (const [pointer, detail] of this.#unreadable) at.set(pointer, [detail]);
-    for (const [pointer, { input, error }] of this.#fields) {
-      const details = at.get(pointer) ?? [];
-      error.textContent = details.join('\n');
-      input.closest('.field').classList.toggle('wrong', details.length > 0);
-      if (details.length) input.setAttribute('aria-invalid', 'true');
-      else input.removeAttribute('aria-invalid');
-    }
-    for (const [pointer, error] of this.#places) error.textContent = (at.get(pointer) ?? []).join('\n');
-    for (const pointer of at.keys()) opened(this.#fields.get(pointer)?.input ?? this.#places.get(pointer));
     return elsewhere;
   }
 
@@ -103,23 +86,18 @@ export class ShaftForm {
     const [found] = [...this.#fields].filter(([one]) => one.startsWith(`${pointer}/`) && !one.endsWith('/name'));
     const input = found?.[1].input;
     if (!input) return;
-    opened(input);
+    openAround(input);
     input.focus({ preventScroll: true });
     input.closest('.item').scrollIntoView({ block: 'nearest' });
   }
 
   focusFirstError() {
-    this.lists.get(this.known[0].pointer).element.closest('form').querySelector('.field.wrong :is(input, select)')?.focus();
+    focusFirstError(this.host);
   }
 
   /** Removes an item; the button that adds one to its list gets the focus. */
   remove(pointer, index) {
-    const items = listAt(this.request, pointer).filter((_, i) => i !== index);
-    const [gone] = listAt(this.request, pointer).slice(index, index + 1);
-    let request = set(this.request, pointer, items.length || pointer.endsWith('sections') ? items : undefined);
-    // A pair without one of its bearings is none.
-    const pairs = listAt(request, PRELOADS).filter(({ between }) => pointer !== BEARINGS || !between?.includes(gone.name));
-    if (pairs.length < listAt(request, PRELOADS).length) request = set(request, PRELOADS, pairs.length ? pairs : undefined);
+    const request = without(this.request, pointer, index);
     const list = this.lists.get(pointer);
     list.shape = '';
     this.#change(request);
@@ -149,8 +127,27 @@ export class ShaftForm {
     return typeof value === 'number' ? String(value) : fallback;
   }
 
-  #group({ title, open, of, fields }) {
-    return h(
+  /** The choice between a shaft of sections and a rigid spindle. The shaft is kept for the way back. */
+  #kind() {
+    const choose = (part) => {
+      const { spindle, ...scene } = this.request.scene;
+      if (spindle) this.spindle = spindle;
+      const other = part === 'shaft' ? { shaft: this.shaft ?? structuredClone(EXAMPLE.scene.shaft) } : { spindle: this.spindle };
+      delete scene.shaft;
+      this.#fields.giveUp();
+      this.#change({ ...this.request, scene: JSON.parse(JSON.stringify({ ...other, ...scene })) });
+    };
+    const one = ([value, text]) => labelledRadio({ name: 'shaft-part', value, onchange: () => choose(value) }, text);
+    const parts = [
+      ['shaft', 'Shaft of sections'],
+      ['spindle', 'Rigid spindle'],
+    ];
+    this.kind = h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'What the bearings hold'), parts.map(one));
+    return this.kind;
+  }
+
+  #group({ title, open, of, part, fields }) {
+    const element = h(
       'details',
       { class: 'group', open },
       h('summary', {}, title),
@@ -160,9 +157,11 @@ export class ShaftForm {
         fields.map((spec) => this.#field(spec.pointer, { of, ...spec })),
       ),
     );
+    if (part) this.#parts.push({ element, part });
+    return element;
   }
 
-  #list({ pointer, title, item, open, fresh }) {
+  #list({ pointer, title, item, open, part, fresh }) {
     const summary = h('summary', {}, title);
     const items = h('div', {});
     const error = h('p', { class: 'error', 'aria-live': 'polite' });
@@ -170,24 +169,20 @@ export class ShaftForm {
     this.#places.set(pointer, error);
     const add = () => {
       const count = listAt(this.request, pointer).length;
-      this.#change(set(this.request, pointer, [...listAt(this.request, pointer), fresh(this.request)]));
+      this.#change(write(this.request, pointer, [...listAt(this.request, pointer), fresh(this.request)]));
       this.focus(`${pointer}/${count}`);
     };
     const adder = small(`Add ${item.toLowerCase()}`, add);
-    return {
-      summary,
-      items,
-      note,
-      adder,
-      element: h('details', { class: 'group', open }, summary, error, items, note, tools(adder)),
-    };
+    const element = h('details', { class: 'group', open }, summary, error, items, note, tools(adder));
+    if (part) this.#parts.push({ element, part });
+    return { summary, items, note, adder, element };
   }
 
   #build(list, shown, count, shape) {
     shown.shape = shape;
     const gone = (known) => known.startsWith(`${list.pointer}/`);
-    for (const of of [this.#fields, this.#places, this.#unreadable])
-      [...of.keys()].filter(gone).forEach((key) => of.delete(key));
+    this.#fields.forget(gone);
+    for (const key of [...this.#places.keys()].filter(gone)) this.#places.delete(key);
     const groups = () => [...shown.items.querySelectorAll('details')];
     const open = groups().map((group) => group.open);
     shown.items.replaceChildren(...Array.from({ length: count }, (_, i) => this.#item(list, i)));
@@ -198,7 +193,10 @@ export class ShaftForm {
     const here = `${pointer}/${index}`;
     const error = h('p', { class: 'error', 'aria-live': 'polite' });
     this.#places.set(here, error);
-    const inside = (specs, schema) => specs.map((spec) => this.#field(`${here}/${spec.path}`, { of: schema, ...spec }));
+    const inside = (specs, schema) =>
+      specs.map(({ when, ...spec }) =>
+        this.#field(`${here}/${spec.path}`, { of: schema, ...spec, when: when && [`${here}/${when[0]}`, when[1]] }),
+      );
     return h(
       'fieldset',
       { class: 'item' },
@@ -215,8 +213,7 @@ export class ShaftForm {
   #bearing(pointer) {
     const choose = (name) => {
       const now = dimensions(read(this.request, pointer), this.presets);
-      const own = Object.fromEntries(REQUIRED.map((field) => [field, now[field]]));
-      this.#change(set(this.request, pointer, name || own));
+      this.#change(write(this.request, pointer, name || ownDimensions(now)));
     };
     const input = select([...Object.keys(this.presets.bearings).map((name) => [name, name]), [OWN, 'own dimensions']], choose);
     return this.#registered(pointer, input, {
@@ -227,57 +224,51 @@ export class ShaftForm {
 
   #field(pointer, spec) {
     if (spec.choices || spec.names) return this.#choice(pointer, spec);
-    const input = h('input', {
-      type: 'text',
-      inputmode: spec.text ? 'text' : 'decimal',
-      autocomplete: 'off',
-      spellcheck: 'false',
-      oninput: () =>
-        spec.text
-          ? this.#change(renamed(this.request, pointer, input.value.trim()))
-          : this.#typed(pointer, input.value, spec.size),
-    });
+    const input = spec.text
+      ? textInput(() => this.#change(renamed(this.request, pointer, input.value.trim())), 'text')
+      : textInput(() => this.#typed(pointer, spec));
     const ofValue = (value) => (typeof value === 'object' ? 'list' : (value ?? ''));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
 
-  #choice(pointer, { choices, names, none, ...spec }) {
+  /** Whether a field exists for the chosen value of another one. */
+  #holds([pointer, values], request) {
+    return values.includes(read(request, pointer) ?? this.#fields.get(pointer)?.input.options[0].value);
+  }
+
+  #choice(pointer, { choices, names, others = [], ...spec }) {
     const pairs = names
-      ? [...(none ? [['', none]] : []), ...listAt(this.request, names).map(({ name }) => [name, name])]
+      ? [...others, ...listAt(this.request, names).map(({ name }) => [name, name])]
       : typeof choices === 'function'
         ? choices(this.presets)
         : choices;
-    const input = select(pairs, (value) => this.#change(set(this.request, pointer, value || undefined)));
+    const input = select(pairs, (value) => this.#chosen(pointer, value));
     const ofValue = (value) => (typeof value === 'object' ? '' : (value ?? pairs[0]?.[0] ?? ''));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
 
-  #registered(pointer, input, { label, unit, of, fallback, ofValue }) {
-    const id = idOf(pointer);
-    const error = h('p', { id: `${id}-error`, class: 'error', 'aria-live': 'polite' });
-    input.id = id;
-    input.setAttribute('aria-describedby', `${unit ? `${id}-unit ` : ''}${id}-error`);
-    this.#fields.set(pointer, { input, error, fallback, ofValue });
-    const schema = this.#schema(of, pointer) ?? {};
-    return h(
-      'div',
-      { class: 'field' },
-      h('label', { for: id }, label),
-      h('div', { class: 'entry' }, input, unit && h('span', { id: `${id}-unit`, class: 'unit' }, unit)),
-      error,
-      h('p', { class: 'hint' }, help(schema)),
-    );
+  /** Sets a choice. Fields that exist for other choices only lose their values. */
+  #chosen(pointer, value) {
+    let request = write(this.request, pointer, value || undefined);
+    const isOther = (one) => {
+      const { when } = this.#fields.get(one);
+      return when?.[0] === pointer && !when[1].includes(value);
+    };
+    this.#fields.giveUp(isOther);
+    for (const [one] of this.#fields) if (isOther(one)) request = write(request, one, undefined);
+    this.#change(request);
   }
 
-  #typed(pointer, entered, size) {
-    const text = plainNumber(entered);
-    this.#unreadable.delete(pointer);
-    if (text !== '' && !Number.isFinite(Number(text))) {
-      this.#unreadable.set(pointer, 'This is not a number.');
-      this.onChange(this.request);
-      return;
-    }
-    this.#change(set(this.request, pointer, text === '' ? undefined : Number(text), size));
+  #registered(pointer, input, { label, unit, of, fallback, ofValue, when }) {
+    const hint = help(this.#schema(of, pointer) ?? {});
+    const shown = field({ id: idOf('s', pointer), label, unit, input, help: hint });
+    return this.#fields.add(pointer, { ...shown, fallback, ofValue, when });
+  }
+
+  #typed(pointer, { size, alike }) {
+    const { value, error } = this.#fields.read(pointer);
+    if (error) this.onChange(this.request);
+    else this.#change(write(this.request, pointer, value, { size, others: alike ? value : 0 }));
   }
 
   /** The arrangement of each preloaded pair. */
@@ -297,8 +288,3 @@ export class ShaftForm {
 const namedIn = ({ fields, more: groups = [] }) => [
   ...new Set([...fields, ...groups.flatMap((group) => group.fields)].map(({ names }) => names).filter(Boolean)),
 ];
-
-/** Opens the groups around an element. */
-function opened(element) {
-  for (let group = element?.closest('details'); group; group = group.parentElement.closest('details')) group.open = true;
-}

@@ -24,19 +24,31 @@ const materials = ({ materials: known }) => [['', 'default'], ...Object.keys(kno
 
 const BODIES = '/scene/housing/bodies';
 /** The body that holds an item; the ground without one. */
-const on = (path, label = 'Held by') => field(path, label, '', { names: BODIES, none: 'the ground' });
+const on = (path, label = 'Held by') => field(path, label, '', { names: BODIES, others: [['', 'the ground']] });
 const triple = (path, label, unit, more) =>
   ['x', 'y', 'z'].map((axis, i) => field(`${path}/${i}`, `${label} ${axis}`, unit, { size: 3, ...more }));
+const aboutBoth = (path, label, unit) =>
+  ['y', 'z'].map((axis, i) => field(`${path}/${i}`, `${label} ${axis}`, unit, { fallback: '0', size: 2 }));
+/** Fields of an item against tilt. */
+const tilts = [
+  ...aboutBoth('tilt_n_m_per_mrad', 'Against tilt', 'N·m/mrad'),
+  ...aboutBoth('tilt_damping_n_m_s_per_rad', 'Damping of tilt', 'N·m·s/rad'),
+];
+/** A field of an outer ring that belongs to some seats only. */
+const seated = (seats, path, label, unit, more) =>
+  field(`outer_ring/${path}`, label, unit, { when: ['outer_ring/seat', seats], ...more });
+const MOVING = ['elastic', 'sliding'];
 
 const LETTERS = [...'ABCDEFGH'];
 const numbered = (name) => Array.from({ length: 16 }, (_, i) => `${name}${i + 1}`);
 
-/** `fresh(request)`: a new item. `choices`: pairs, or a function of the presets. `names`: a list whose
- *  items may be named, `none` without one. `of`: schema of an item.
- *  `more`: fields behind a summary. */
+/** `fresh(request)`: a new item. `choices`: pairs, or a function of the presets; the first stands for an absent value. `names`: a list
+ *  whose items may be named, after the `others`. `of`: schema of an item. `more`: fields behind a summary. `when`: a field of the item
+ *  and its values for which this one exists. `alike`: a list starts with equal numbers. `part`: of a shaft only. */
 export const LISTS = [
   {
     pointer: '/scene/shaft/sections',
+    part: 'shaft',
     title: 'Sections',
     item: 'Section',
     of: 'SectionInput',
@@ -109,16 +121,24 @@ export const LISTS = [
         fields: [
           field('outer_ring/seat', 'Seat', '', {
             choices: [
-              ['', 'rigid'],
+              ['rigid', 'rigid'],
               ['elastic', 'elastic'],
               ['sliding', 'sliding'],
             ],
           }),
           on('outer_ring/on'),
-          field('outer_ring/stiffness_n_per_um/0', 'Stiffness along x', 'N/µm', { size: 2 }),
-          field('outer_ring/stiffness_n_per_um/1', 'Stiffness across', 'N/µm', { size: 2 }),
-          field('outer_ring/spring_force_n', 'Force of the spring', 'N'),
-          field('outer_ring/spring_n_per_um', 'Its stiffness', 'N/µm'),
+          seated(['elastic'], 'stiffness_n_per_um/0', 'Stiffness along x', 'N/µm', { size: 2 }),
+          seated(['elastic'], 'stiffness_n_per_um/1', 'Stiffness across', 'N/µm', { size: 2 }),
+          seated(['elastic'], 'tilt_n_m_per_mrad', 'Against tilt', 'N·m/mrad', { fallback: 'of the stiffness' }),
+          seated(['sliding'], 'spring_force_n', 'Force of the spring', 'N'),
+          seated(['sliding'], 'spring_n_per_um', 'Stiffness of the spring', 'N/µm', { fallback: '0' }),
+          seated(MOVING, 'damping_n_s_per_m/0', 'Damping along x', 'N·s/m', { fallback: '0', size: 2 }),
+          seated(['elastic'], 'damping_n_s_per_m/1', 'Damping across', 'N·s/m', { fallback: '0', size: 2 }),
+          seated(['elastic'], 'tilt_damping_n_m_s_per_rad', 'Damping of tilt', 'N·m·s/rad', { fallback: '0' }),
+          seated(MOVING, 'mass_kg', 'Mass of the ring', 'kg', { fallback: 'of steel' }),
+          ...['x', 'y', 'z'].map((axis) =>
+            field(`outer_ring/offset_um/${axis}`, `Offset ${axis}`, 'µm', { fallback: '0', of: 'OffsetInput' }),
+          ),
           field('outer_ring/tilt_mrad/y', 'Tilt about y', 'mrad', { fallback: '0', of: 'OuterTiltInput' }),
           field('outer_ring/tilt_mrad/z', 'Tilt about z', 'mrad', { fallback: '0', of: 'OuterTiltInput' }),
         ],
@@ -154,6 +174,7 @@ export const LISTS = [
   },
   {
     pointer: '/scene/shaft/discs',
+    part: 'shaft',
     title: 'Discs',
     item: 'Disc',
     of: 'DiscInput',
@@ -172,6 +193,7 @@ export const LISTS = [
   },
   {
     pointer: '/scene/shaft/unbalances',
+    part: 'shaft',
     title: 'Unbalance planes',
     item: 'Unbalance',
     of: 'UnbalanceInput',
@@ -189,6 +211,7 @@ export const LISTS = [
       ...triple('stiffness_n_per_um', 'Stiffness', 'N/µm'),
       ...triple('damping_n_s_per_m', 'Damping', 'N·s/m', { fallback: '0' }),
     ],
+    more: [{ summary: 'Tilt', of: 'SupportInput', fields: tilts }],
     fresh: (request) => ({ at_mm: place(request, 0.9), stiffness_n_per_um: [0, 50, 50], damping_n_s_per_m: [0, 200, 200] }),
   },
   {
@@ -198,7 +221,12 @@ export const LISTS = [
     of: 'BodyInput',
     fields: [field('name', 'Name', '', { text: true }), at, field('mass_kg', 'Mass', 'kg')],
     more: [
-      { summary: 'Inertia', of: 'BodyInput', fields: triple('inertia_kg_m2', 'About', 'kg m²', { fallback: 'of a cube' }) },
+      {
+        summary: 'Inertia',
+        of: 'BodyInput',
+        // A body without given inertia is a cube, so the others start equal to the first one that is entered.
+        fields: triple('inertia_kg_m2', 'About', 'kg m²', { fallback: 'of a cube', alike: true }),
+      },
     ],
     fresh: (request) => ({
       name: freeName(request, BODIES, ['head', ...numbered('body')]),
@@ -213,16 +241,22 @@ export const LISTS = [
     of: 'MountInput',
     fields: [
       field('body', 'Of the body', '', { names: BODIES }),
-      at,
+      field('to', 'To', '', { names: BODIES, others: [['', 'the ground']] }),
+      field('at_mm', 'Place', 'mm', { fallback: 'of the body' }),
       ...triple('stiffness_n_per_um', 'Stiffness', 'N/µm'),
       ...triple('damping_n_s_per_m', 'Damping', 'N·s/m', { fallback: '0' }),
-      ...['y', 'z'].map((axis, i) =>
-        field(`tilt_n_m_per_mrad/${i}`, `Against tilt ${axis}`, 'N·m/mrad', { fallback: '0', size: 2 }),
-      ),
     ],
+    more: [{ summary: 'Tilt', of: 'MountInput', fields: tilts }],
     fresh: (request) => {
-      const [body] = listAt(request, BODIES);
-      const usual = { stiffness_n_per_um: [50, 50, 50], damping_n_s_per_m: [300, 300, 300], tilt_n_m_per_mrad: [20, 20] };
+      const bodies = listAt(request, BODIES);
+      const mounted = listAt(request, '/scene/housing/mounts').map(({ body: of }) => of);
+      const body = bodies.find(({ name }) => !mounted.includes(name)) ?? bodies[0];
+      const usual = {
+        stiffness_n_per_um: [50, 50, 50],
+        damping_n_s_per_m: [300, 300, 300],
+        tilt_n_m_per_mrad: [20, 20],
+        tilt_damping_n_m_s_per_rad: [1, 1],
+      };
       return { body: body?.name ?? 'head', at_mm: body?.at_mm ?? place(request, 0.5), ...usual };
     },
   },
@@ -235,8 +269,14 @@ export const LISTS = [
       field('name', 'Name', '', { text: true }),
       at,
       field('direction', 'Direction', '', { choices: DIRECTIONS }),
-      field('on', 'On', '', { names: BODIES, none: 'the shaft' }),
-      field('relative_to', 'Relative to', '', { names: BODIES, none: 'the ground' }),
+      field('on', 'On', '', { names: BODIES, others: [['shaft', 'the shaft']] }),
+      field('relative_to', 'Relative to', '', {
+        names: BODIES,
+        others: [
+          ['', 'the ground'],
+          ['shaft', 'the shaft'],
+        ],
+      }),
     ],
     fresh: (request) => ({
       name: freeName(request, '/scene/sensors', numbered('s')),
@@ -255,26 +295,52 @@ export const OPERATION = {
   of: 'RotorOperationInput',
   fields: [
     single('/scene/operation/speed_rpm', 'Speed', 'r/min'),
+    single('/scene/operation/outer_speed_rpm', 'Speed of outer rings', 'r/min', { fallback: '0' }),
     single('/scene/operation/radial_load_y_n', 'Radial load y', 'N', { fallback: '0' }),
     single('/scene/operation/radial_load_z_n', 'Radial load z', 'N', { fallback: '0' }),
     single('/scene/operation/axial_load_n', 'Axial load', 'N', { fallback: '0' }),
   ],
 };
 
+const AXIAL = [
+  ['', 'default'],
+  ['fixed', 'fixed'],
+  ['free', 'free'],
+];
+
+/** A rigid spindle in place of the shaft. */
+export const SPINDLE = {
+  title: 'Rigid spindle',
+  part: 'spindle',
+  open: true,
+  of: 'SpindleInput',
+  fields: [
+    single('/scene/spindle/mass_kg', 'Mass', 'kg', { fallback: 'of the bores' }),
+    single('/scene/spindle/centre_mm', 'Mass centre', 'mm', { fallback: 'middle' }),
+    single('/scene/spindle/balance_grade', 'Balance grade', 'mm/s'),
+    single('/scene/spindle/unbalance_g_mm', 'or unbalance', 'g·mm', { fallback: '0' }),
+    single('/scene/spindle/axial', 'Motion along x', '', { choices: AXIAL }),
+    single('/scene/spindle/tilt', 'Tilt', '', {
+      choices: [
+        ['', 'default'],
+        ['held', 'held'],
+        ['free', 'free'],
+      ],
+    }),
+    single('/scene/spindle/transverse_inertia_kg_m2', 'Inertia about a diameter', 'kg m²', { fallback: 'of a cylinder' }),
+    single('/scene/spindle/axial_inertia_kg_m2', 'Inertia about the axis', 'kg m²', { fallback: 'of a cylinder' }),
+  ],
+};
+
 export const SHAFT = {
   title: 'Material and damping',
+  part: 'shaft',
   of: 'ShaftInput',
   fields: [
     single('/scene/shaft/material', 'Material', '', {
       choices: materials,
     }),
-    single('/scene/shaft/axial', 'Motion along x', '', {
-      choices: [
-        ['', 'default'],
-        ['fixed', 'fixed'],
-        ['free', 'free'],
-      ],
-    }),
+    single('/scene/shaft/axial', 'Motion along x', '', { choices: AXIAL }),
     single('/scene/shaft/damping_ratio', 'Damping ratio', '', { fallback: '0.005' }),
     single('/scene/shaft/rotating_share', 'Share that turns', '', { fallback: '0' }),
   ],

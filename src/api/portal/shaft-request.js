@@ -1,5 +1,7 @@
 // The scene of a shaft with the settings of its analysis and of its run in time: one object, from which both jobs are made.
 
+import { read, write } from './request.js';
+
 /** A 7008 AC: 40 × 68 × 15 mm, 17 balls, 25°. */
 const ANGULAR_CONTACT_7008 = {
   type: 'angular_contact',
@@ -56,43 +58,11 @@ export const machineJob = (request) => ({ kind: 'machine', ...pick(request, ['sc
 /** The scene and the settings of a job of either kind. */
 export const ofJob = (job) => structuredClone(pick(job, ['scene', ...OF_ANALYSIS, ...OF_RUN]));
 
-const steps = (pointer) => pointer.split('/').slice(1);
-const isIndex = (step) => /^\d+$/.test(step);
-/** Nothing, an object of nothing, or a list of zeros. */
-const isEmpty = (value) =>
-  value === undefined ||
-  (Array.isArray(value) && value.every((one) => one === 0)) ||
-  (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
-
-/** A copy with one value set, or removed if it is `undefined`. A bearing that is only named becomes an object for its changes, and a
- *  name again without them. `size`: length of a list of numbers that begins with this value. */
-export function set(request, pointer, value, size = 0) {
-  const copy = structuredClone(request);
-  const path = steps(pointer);
-  const parents = [];
-  let at = copy;
-  path.slice(0, -1).forEach((step, i) => {
-    if (typeof at[step] === 'string') at[step] = { preset: at[step] };
-    at[step] ??= isIndex(path[i + 1]) ? Array(size).fill(0) : {};
-    parents.push([at, step]);
-    at = at[step];
-  });
-  const last = path.at(-1);
-  // A list of numbers has no gaps.
-  if (value !== undefined) at[last] = value;
-  else if (Array.isArray(at)) at[last] = 0;
-  else delete at[last];
-  for (const [parent, step] of value === undefined ? parents.toReversed() : []) {
-    const inner = parent[step];
-    if (Object.keys(inner).join() === 'preset') parent[step] = inner.preset;
-    const isRequired = ['scene', 'shaft', 'operation', 'sections', 'bearings'].includes(step) || isIndex(step);
-    if (isEmpty(inner) && !isRequired) delete parent[step];
-  }
-  return copy;
-}
-
 /** Items of a list. */
-export const listAt = (request, pointer) => steps(pointer).reduce((at, step) => at?.[step], request) ?? [];
+export function listAt(request, pointer) {
+  const list = read(request, pointer);
+  return Array.isArray(list) ? list : [];
+}
 
 /** The dimensions of a bearing: those of its preset, with its changes. */
 export function dimensions(choice, presets) {
@@ -101,37 +71,78 @@ export function dimensions(choice, presets) {
 }
 
 const BODIES = '/scene/housing/bodies';
-/** Lists and the fields of their items that name a bearing or a body. */
+/** Fields of items that name an item of a list. An item without a name that it needs is removed with it. */
 const NAMING = {
-  '/scene/bearings': [['/scene/preloads', ['between/0', 'between/1']]],
+  '/scene/bearings': [{ list: '/scene/preloads', needs: ['between/0', 'between/1'] }],
   [BODIES]: [
-    ['/scene/bearings', ['outer_ring/on']],
-    ['/scene/supports', ['on']],
-    ['/scene/housing/mounts', ['body']],
-    ['/scene/sensors', ['on', 'relative_to']],
+    { list: '/scene/bearings', takes: ['outer_ring/on'] },
+    { list: '/scene/supports', takes: ['on'] },
+    { list: '/scene/housing/mounts', needs: ['body', 'to'] },
+    { list: '/scene/sensors', needs: ['on'], takes: ['relative_to'] },
   ],
 };
 
 /** A copy with a new name of an item, also where other items name it. */
 export function renamed(request, pointer, name) {
   const list = pointer.split('/').slice(0, -2).join('/');
-  const valueAt = (from, path) => steps(path).reduce((at, step) => at?.[step], from);
-  const old = valueAt(request, pointer);
-  let copy = set(request, pointer, name);
-  for (const [other, paths] of NAMING[list] ?? [])
+  const old = read(request, pointer);
+  let copy = write(request, pointer, name);
+  for (const { list: other, needs = [], takes = [] } of NAMING[list] ?? [])
     listAt(request, other).forEach((item, i) =>
-      paths
-        .filter((path) => valueAt(item, `/${path}`) === old)
+      [...needs, ...takes]
+        .filter((path) => read(item, `/${path}`) === old)
         .forEach((path) => {
-          copy = set(copy, `${other}/${i}/${path}`, name);
+          copy = write(copy, `${other}/${i}/${path}`, name);
         }),
     );
   return copy;
 }
 
-/** Length of the shaft [mm]. */
-export const lengthOf = (request) =>
-  listAt(request, '/scene/shaft/sections').reduce((sum, { length_mm: length }) => sum + (Number(length) || 0), 0);
+/** A copy without an item. Items that need it go with it, others name it no longer. */
+export function without(request, list, index) {
+  const { name } = listAt(request, list)[index];
+  const put = (copy, pointer, items) => write(copy, pointer, items.length || pointer.endsWith('sections') ? items : undefined);
+  let copy = request;
+  for (const { list: other, needs = [], takes = [] } of name === undefined ? [] : (NAMING[list] ?? [])) {
+    listAt(copy, other).forEach((item, i) =>
+      takes
+        .filter((path) => read(item, `/${path}`) === name)
+        .forEach((path) => {
+          copy = write(copy, `${other}/${i}/${path}`, undefined);
+        }),
+    );
+    const kept = listAt(copy, other).filter((item) => !needs.some((path) => read(item, `/${path}`) === name));
+    if (kept.length < listAt(copy, other).length) copy = put(copy, other, kept);
+  }
+  return put(
+    copy,
+    list,
+    listAt(copy, list).filter((_, i) => i !== index),
+  );
+}
+
+/** Whether a rigid spindle stands in place of the shaft. */
+export const isRigid = (request) => !request.scene.shaft;
+
+/** Whether a sensor sits on the shaft or measures from it. */
+export const concernsShaft = ({ on = 'shaft', relative_to: from }) => on === 'shaft' || from === 'shaft';
+
+/** Length of the shaft [mm]; of a rigid spindle up to the farthest place on it. */
+export function lengthOf(request) {
+  if (!isRigid(request))
+    return listAt(request, '/scene/shaft/sections').reduce((sum, { length_mm: length }) => sum + (Number(length) || 0), 0);
+  const items = ['/scene/bearings', '/scene/supports', '/scene/operation/loads'].flatMap((list) => listAt(request, list));
+  const places = [...items, ...listAt(request, '/scene/sensors').filter(concernsShaft)].map(({ at_mm: at }) => Number(at) || 0);
+  return Math.max(1, read(request, '/scene/spindle/centre_mm') ?? 0, ...places);
+}
+
+/** Sections of the shaft as they are drawn; a rigid spindle is a bar with the smallest bore of its bearings. */
+export function sectionsOf(request, presets) {
+  if (!isRigid(request)) return listAt(request, '/scene/shaft/sections');
+  const bores = listAt(request, '/scene/bearings').map(({ bearing }) => dimensions(bearing, presets).inner_diameter_mm);
+  const diameter = Math.min(...bores.filter((bore) => bore > 0));
+  return [{ length_mm: lengthOf(request), outer_diameter_mm: Number.isFinite(diameter) ? diameter : 20 }];
+}
 
 /** The arrangement of two bearings by their places and the thrusts that they carry. */
 export function arrangement([one, other]) {

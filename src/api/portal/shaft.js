@@ -4,11 +4,12 @@ import * as api from './api.js';
 import { h, labelledRadio, small, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { moment } from './format.js';
+import { isOfShaft, write } from './request.js';
 import { Result } from './result.js';
 import { RotorView } from './rotor.js';
 import { ShaftDrawing } from './shaft-drawing.js';
 import { ShaftForm } from './shaft-form.js';
-import { EXAMPLE, machineJob, ofJob, rotorJob, set } from './shaft-request.js';
+import { EXAMPLE, machineJob, ofJob, rotorJob } from './shaft-request.js';
 
 /** Pause in typing after which the shaft is analysed [ms]. */
 const TYPING_PAUSE = 250;
@@ -30,14 +31,14 @@ export class Shaft {
     });
     this.drawing = new ShaftDrawing(at('shaft-drawing'), {
       presets,
-      move: (pointer, place) => this.edit(set(this.request, `${pointer}/at_mm`, Number(place.toFixed(3)))),
+      move: (pointer, place) => this.edit(write(this.request, `${pointer}/at_mm`, Number(place.toFixed(3)))),
       choose: (pointer) => this.form.focus(pointer),
       remove: (list, index) => this.form.remove(list, index),
     });
     this.note = h('p', { class: 'note', role: 'status' });
     this.files = h('div', {});
     this.rotorHost = h('div', { class: 'analysis' }, h('p', { class: 'empty' }, 'No analysis yet.'));
-    this.rotor = new RotorView(this.rotorHost);
+    this.rotor = new RotorView(this.rotorHost, presets);
     this.runHost = h('div', { hidden: true }, h('p', { class: 'empty' }, 'No run in time yet. Press “Run in time”.'));
     this.analysis = h(
       'div',
@@ -130,7 +131,7 @@ export class Shaft {
     at('shaft-json').addEventListener('input', () => {
       try {
         const job = JSON.parse(at('shaft-json').value);
-        if (!job?.scene?.shaft) throw new Error('The request has no `scene` with a `shaft`.');
+        if (!isOfShaft(job)) throw new Error('The request has no `scene` with a `shaft` or with `bearings`.');
         at('shaft-json-error').textContent = '';
         const request = ofJob(job);
         this.form.show(request);

@@ -3,7 +3,8 @@
 import { bearingShapes } from './derived.js';
 import { button, h, labelled, more, options, s, select, small, tools } from './dom.js';
 import { help, schemaAt } from './fields.js';
-import { number, plainNumber, quantity, words } from './format.js';
+import { field, Fields, idOf, textInput } from './form.js';
+import { number, quantity, words } from './format.js';
 import { read, write } from './request.js';
 
 const SURFACES = '/scene/surfaces';
@@ -27,7 +28,6 @@ const WAVE_FIELDS = [
 const KEYS = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
 
 const listOf = (job, ring, kind) => read(job, `${SURFACES}/${ring}/${kind}`) ?? [];
-const idOf = (pointer) => `f${pointer.replaceAll('/', '-')}`;
 /** An azimuth from −179° to 180°. */
 const wrapped = (degrees) => {
   const turn = ((degrees % 360) + 360) % 360;
@@ -35,8 +35,7 @@ const wrapped = (degrees) => {
 };
 
 export class SurfacesForm {
-  #fields = new Map();
-  #unreadable = new Map();
+  #fields = new Fields();
 
   /** `onChange(job)` gets every changed request; `compare()` runs the scene with and without its surfaces. */
   constructor({ document: openapi, presets, onChange, compare }) {
@@ -67,7 +66,7 @@ export class SurfacesForm {
 
   /** Whether a field contains text that is not a number. */
   get unreadable() {
-    return this.#unreadable.size > 0;
+    return this.#fields.unreadable;
   }
 
   /** Shows a request. The field that is being edited keeps its text. */
@@ -81,13 +80,12 @@ export class SurfacesForm {
     const shape = JSON.stringify(RINGS.map((ring) => ['defects', 'waviness'].map((kind) => listOf(job, ring, kind).length)));
     if (shape !== this.shape) {
       this.shape = shape;
-      this.#unreadable.clear();
       this.#build();
       if (!this.element.open && this.#any()) this.element.open = true;
     }
     for (const [pointer, { input }] of this.#fields) {
       const value = read(job, pointer);
-      if (!this.#unreadable.has(pointer) && document.activeElement !== input) input.value = value ?? '';
+      if (!this.#fields.isUnreadable(pointer) && document.activeElement !== input) input.value = value ?? '';
     }
     this.#draw();
   }
@@ -114,21 +112,8 @@ export class SurfacesForm {
   /** Shows errors at their fields, others of the surfaces above the lists. Returns those that concern other parts. */
   showErrors(errors) {
     const own = errors.filter(({ pointer }) => pointer.startsWith(SURFACES));
-    const elsewhere = [];
-    const at = new Map();
-    for (const { pointer, detail } of own) {
-      if (this.#fields.has(pointer)) at.set(pointer, detail);
-      else elsewhere.push(pointer === SURFACES ? detail : `${pointer.slice(SURFACES.length + 1)}: ${detail}`);
-    }
-    for (const [pointer, detail] of this.#unreadable) at.set(pointer, detail);
-    this.error.textContent = elsewhere.join('\n');
-    for (const [pointer, { input, error }] of this.#fields) {
-      const detail = at.get(pointer) ?? '';
-      error.textContent = detail;
-      input.closest('.field').classList.toggle('wrong', Boolean(detail));
-      if (detail) input.setAttribute('aria-invalid', 'true');
-      else input.removeAttribute('aria-invalid');
-    }
+    const { places } = this.#fields.showErrors(own, (pointer) => pointer === SURFACES);
+    this.error.textContent = (places.get(SURFACES) ?? []).join('\n');
     if (own.length || this.unreadable) this.element.open = true;
     return errors.filter((error) => !own.includes(error));
   }
@@ -151,7 +136,7 @@ export class SurfacesForm {
     this.selected = kind === 'defects' ? { ring, index: list.length - 1 } : this.selected;
     this.#change(this.#setList(ring, kind, list));
     const field = kind === 'defects' ? 'azimuth_deg' : 'order';
-    document.getElementById(idOf(`${SURFACES}/${ring}/${kind}/${list.length - 1}/${field}`))?.focus();
+    document.getElementById(idOf('f', `${SURFACES}/${ring}/${kind}/${list.length - 1}/${field}`))?.focus();
   }
 
   #remove(ring, kind, index) {
@@ -168,7 +153,7 @@ export class SurfacesForm {
   }
 
   #build() {
-    this.#fields.clear();
+    this.#fields.forget();
     this.facts = { outer: [], inner: [] };
     this.waves = { outer: h('p', { class: 'note' }), inner: h('p', { class: 'note' }) };
     this.adders = { defects: {}, waviness: {} };
@@ -212,12 +197,10 @@ export class SurfacesForm {
     const shape = select([['', 'default'], ...shapes.map((name) => [name, words(name)])], (value) =>
       this.#setItem(ring, 'defects', index, { shape: value || undefined }),
     );
-    shape.id = idOf(`${at}/shape`);
-    const error = h('p', { class: 'error', 'aria-live': 'polite' });
-    this.#fields.set(`${at}/shape`, { input: shape, error });
+    const floor = field({ id: idOf('f', `${at}/shape`), label: 'Floor', input: shape });
     const raceway = select(RINGS.map((name) => [name, `${name} raceway`]), (value) => this.#move(ring, index, value));
     raceway.value = ring;
-    raceway.id = idOf(`${at}/ring`);
+    const on = field({ id: idOf('f', `${at}/ring`), label: 'On the', input: raceway });
     this.facts[ring][index] = h('dl', { class: 'pairs', 'aria-live': 'polite' });
     return h(
       'fieldset',
@@ -227,8 +210,8 @@ export class SurfacesForm {
         'div',
         { class: 'fields' },
         ...fields,
-        h('div', { class: 'field' }, h('label', { for: shape.id }, 'Floor'), shape, error),
-        h('div', { class: 'field' }, h('label', { for: raceway.id }, 'On the'), raceway),
+        this.#fields.add(`${at}/shape`, floor),
+        on.element,
       ),
       this.facts[ring][index],
       small('Remove', () => this.#remove(ring, 'defects', index), { 'aria-label': `Remove defect ${index + 1}, ${ring} raceway` }),
@@ -260,38 +243,15 @@ export class SurfacesForm {
 
   /** A number; `change(value)` returns the changed request. */
   #number(pointer, label, unit, { change, fallback }) {
-    const id = idOf(pointer);
-    const input = h('input', {
-      id,
-      type: 'text',
-      inputmode: 'decimal',
-      autocomplete: 'off',
-      spellcheck: 'false',
-      'aria-describedby': `${unit ? `${id}-unit ` : ''}${id}-error`,
-      oninput: () => {
-        const text = plainNumber(input.value);
-        this.#unreadable.delete(pointer);
-        if (text !== '' && !Number.isFinite(Number(text))) {
-          this.#unreadable.set(pointer, 'This is not a number.');
-          this.onChange(this.job);
-          return;
-        }
-        this.#change(change(text === '' ? undefined : Number(text)));
-      },
+    const input = textInput(() => {
+      const { value, error } = this.#fields.read(pointer);
+      if (error) this.onChange(this.job);
+      else this.#change(change(value));
     });
-    const error = h('p', { id: `${id}-error`, class: 'error', 'aria-live': 'polite' });
-    this.#fields.set(pointer, { input, error, fallback });
     const parts = pointer.split('/');
     const inList = /^\d+$/.test(parts.at(-2));
     const schema = inList ? itemSchema(this.openapi, parts) : schemaAt(this.openapi, pointer);
-    return h(
-      'div',
-      { class: 'field' },
-      h('label', { for: id }, label),
-      h('div', { class: 'entry' }, input, unit && h('span', { id: `${id}-unit`, class: 'unit' }, unit)),
-      error,
-      h('p', { class: 'hint' }, help(schema)),
-    );
+    return this.#fields.add(pointer, { ...field({ id: idOf('f', pointer), label, unit, input, help: help(schema) }), fallback });
   }
 
   /** Moves a defect to the other raceway. */
@@ -305,7 +265,7 @@ export class SurfacesForm {
     let job = this.#setList(from, 'defects', rest);
     job = write(job, `${SURFACES}/${to}/defects`, list);
     this.#change(job);
-    document.getElementById(idOf(`${SURFACES}/${to}/defects/${list.length - 1}/ring`))?.focus();
+    document.getElementById(idOf('f', `${SURFACES}/${to}/defects/${list.length - 1}/ring`))?.focus();
   }
 
   #select(ring, index) {
