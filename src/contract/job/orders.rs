@@ -21,7 +21,7 @@ pub struct OrdersInput {
     /// y.
     #[schema(nullable = false, min_items = 1, max_items = 8, example = json!(["spindle.y.acceleration"]))]
     pub channels: Option<Vec<String>>,
-    /// Tracked orders: numbers, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2·BPFO` or `2*BPFO`), and of one bearing of several as
+    /// Tracked orders as text: numbers such as `"2"`, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2·BPFO` or `2*BPFO`), and of one bearing of several as
     /// `BPFO@A`. Names follow the simulated speeds of cage and ball. Default: those of 1, 2, FTF, BPFO, 2·BPFO, BPFI and 2·BSF up to `max_order`;
     /// with several bearings 1, 2, and BPFO and BPFI of each.
     #[schema(nullable = false, max_items = 32, example = json!(["1", "BPFO", "2·BPFO"]))]

@@ -66,7 +66,8 @@ pub struct RotorBearingInput {
     pub start_azimuth_deg: Option<f64>,
 }
 
-/// `+x`: carries the shaft's thrust along +X. `-x`: its mirror image.
+/// `+x`: carries the shaft's thrust along +X. `-x`: its mirror image, crown cage and surfaces included. What its fields place along +X, such as
+/// `across_mm` of a defect, lies along −X of the shaft; `outer_ring` refers to the shaft's axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub enum FacesName {
     #[serde(rename = "+x")]

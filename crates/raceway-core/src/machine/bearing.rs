@@ -5,6 +5,7 @@ use super::input::{Loss, Machine, MachineError};
 use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::physics::statics::shaft::Mounted;
+use crate::simulation::error::codes::Warning;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::Mechanism;
@@ -15,6 +16,7 @@ use crate::simulation::model::state::SpindleState;
 use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::solve::surface_warnings::contact_warnings;
 
 /// A bearing on the shaft.
 #[derive(Debug, Clone)]
@@ -24,6 +26,8 @@ pub struct BearingOnShaft {
     pub mounted: Mounted,
     /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
     pub outer_rest: Option<[f64; 5]>,
+    /// Limits of what a run can say about its surfaces.
+    pub surface_warnings: Vec<Warning>,
 }
 
 impl BearingOnShaft {
@@ -101,14 +105,16 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
         let failed = |source: SimulationError| MachineError::Bearing { bearing: moving.name.clone(), source };
         let terms = ActiveTerms::of(&scene, &Outputs::vibration(), Some(ModelLevel::Full))
             .map_err(|choice| failed(choice.into()))?;
-        let mut mechanism = with_surfaces(Mechanism::new(&scene, &terms), &scene);
+        let ideal = Mechanism::new(&scene, &terms);
+        let surface_warnings = contact_warnings(&scene, &ideal);
+        let mut mechanism = with_surfaces(ideal, &scene);
         mechanism.start = mechanism.start.turned(moving.start_azimuth);
         let outer_rest = frame.outer[index].as_ref().map(|outer| outer.rest);
         let mut mounted = placed.mounted.clone();
         for (value, rest) in mounted.outer.iter_mut().zip(outer_rest.unwrap_or_default()) {
             *value += rest;
         }
-        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted, outer_rest });
+        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted, outer_rest, surface_warnings });
     }
     Ok(bearings)
 }

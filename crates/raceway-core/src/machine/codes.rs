@@ -2,6 +2,7 @@
 
 use super::channel::MachineChannel;
 use super::input::Loss;
+use crate::simulation::error::codes::Warning;
 
 /// A reason to doubt a number of a run, or a remark. Bearings count from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,8 @@ pub enum MachineWarning {
     PartlyVerified { window: f64, change: LaterChange, step: f64 },
     /// The largest pressure in a bearing [Pa] deforms its raceways permanently.
     Overloaded { bearing: usize, load: f64, pressure: f64 },
+    /// A limit of what the run can say about the surfaces of a bearing.
+    Surface { bearing: usize, warning: Warning },
     /// Longer steps were tried and rejected.
     StepRejected(RejectedStep),
 }

@@ -39,7 +39,14 @@ pub(super) fn warnings(
     let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
     let bearings = result.bearings.iter().enumerate();
     let overloaded = bearings.filter_map(|(index, metrics)| overloaded(dynamics, index, metrics));
-    of_steps.chain(start).chain(trends).chain(overloaded).collect()
+    of_steps.chain(start).chain(trends).chain(overloaded).chain(of_surfaces(dynamics)).collect()
+}
+
+fn of_surfaces(dynamics: &MachineDynamics) -> impl Iterator<Item = MachineWarning> + '_ {
+    let bearings = dynamics.bearings.iter().enumerate();
+    bearings.flat_map(|(bearing, of)| {
+        of.surface_warnings.iter().map(move |warning| MachineWarning::Surface { bearing, warning: warning.clone() })
+    })
 }
 
 /// Free motion that may remain from the start, by the linear analysis at the first speed.

@@ -3,9 +3,11 @@
 use raceway_core::machine::codes::{LastStep, LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
 use raceway_core::machine::input::Machine;
 use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
+use raceway_core::simulation::error::codes::Warning;
 use serde_json::{Value, json};
 
 use super::answer::{MessageAnswer, MessageCode, Severity, message};
+use super::warnings::of_warning;
 use super::words::{numbers, time};
 use crate::contract::json::limits;
 use crate::contract::json::numbers::significant;
@@ -99,12 +101,20 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             ];
             (MessageCode::Overloaded, text, values)
         }
+        MachineWarning::Surface { bearing, warning } => return of_surface(&machine.bearings[*bearing].name, warning),
         MachineWarning::StepRejected(rejected) => {
             severity = Severity::Info;
             of_rejected_step(machine, rejected)
         }
     };
     message(code, severity, text, values)
+}
+
+/// The message of a surface with the name of its bearing.
+fn of_surface(bearing: &str, warning: &Warning) -> MessageAnswer {
+    let MessageAnswer { code, severity, text, mut values } = of_warning(warning);
+    values.insert("bearing".to_owned(), json!(bearing));
+    MessageAnswer { code, severity, text: format!("Bearing {bearing}. {text}"), values }
 }
 
 fn of_rejected_step(

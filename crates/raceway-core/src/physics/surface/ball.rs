@@ -112,7 +112,7 @@ impl BallSurface {
         faults.check(DEVIATION, self.diameter_deviation);
         NAMES.check_waves(&self.waviness, MOST_WAVES, &[item], faults);
         for random in &self.random_waviness {
-            random.check(&RANDOM_OF_A_BALL, faults);
+            random.check(&RANDOM_OF_A_BALL, &[item], faults);
         }
         if self.defects.len() > MOST_BALL_DEFECTS {
             let reason = format!("{} defects: at most {MOST_BALL_DEFECTS}", self.defects.len());
@@ -139,7 +139,7 @@ pub(super) fn check(balls: &[GivenBall], every: &EveryBall, faults: &mut Faults)
     }
     faults.check("surfaces.every_ball.diameter_spread", every.diameter_spread);
     if let Some(random) = &every.random_waviness {
-        random.check(&RANDOM_OF_EVERY_BALL, faults);
+        random.check(&RANDOM_OF_EVERY_BALL, &[], faults);
     }
 }
 

@@ -55,8 +55,8 @@ impl WaveNames {
 }
 
 impl RandomWaviness {
-    /// `names`: of the parameters, in the order of the fields.
-    pub(super) fn check(&self, names: &[&'static str; 5], faults: &mut Faults) {
+    /// `names`: of the parameters, in the order of the fields; `items`: their places in lists.
+    pub(super) fn check(&self, names: &[&'static str; 5], items: &[usize], faults: &mut Faults) {
         let [amplitude, at_order, exponent, from_order, to_order] = names;
         faults.check(amplitude, self.amplitude);
         faults.check(at_order, f64::from(self.at_order));
@@ -66,7 +66,7 @@ impl RandomWaviness {
             && faults.check(to_order, f64::from(to))
             && to < self.from_order
         {
-            faults.inconsistent(to_order, format!("{to} is below from_order, {}", self.from_order));
+            faults.inconsistent_item(to_order, items, format!("{to} is below from_order, {}", self.from_order));
         }
         // Amplitudes fall with the order, so that the first one is the largest.
         let largest = self.amplitude_of(self.from_order);
@@ -80,7 +80,7 @@ impl RandomWaviness {
                 self.from_order,
                 1e9 * most
             );
-            faults.inconsistent(amplitude, reason);
+            faults.inconsistent_item(amplitude, items, reason);
         }
     }
 

@@ -271,7 +271,7 @@ impl RacewaySurface {
         names.waves.check_waves(&self.waviness, MOST_WAVES, &[], faults);
         names.axial.check_waves(&self.axial_waviness, MOST_WAVES, &[], faults);
         if let Some(random) = &self.random_waviness {
-            random.check(&names.random, faults);
+            random.check(&names.random, &[], faults);
         }
         if self.defects.len() > MOST_DEFECTS {
             faults.inconsistent(names.defects, format!("{} defects: at most {MOST_DEFECTS}", self.defects.len()));

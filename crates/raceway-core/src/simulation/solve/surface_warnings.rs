@@ -25,6 +25,17 @@ const HANN_LINE_BINS: f64 = 4.0;
 
 /// Warnings of the surfaces of a scene on its ideal mechanism; empty where all are ideal.
 pub fn surface_warnings(scene: &Scene, ideal: &Mechanism, settings: &RunSettings) -> Vec<Warning> {
+    if averaged_surfaces(ideal, scene).is_none() {
+        return Vec::new();
+    }
+    let mut found = contact_warnings(scene, ideal);
+    found.extend(merged_cage_lines(scene, settings));
+    found.extend(missed_resonance(scene, ideal, settings));
+    found
+}
+
+/// Those that follow from the contacts alone, whatever is recorded.
+pub(crate) fn contact_warnings(scene: &Scene, ideal: &Mechanism) -> Vec<Warning> {
     let Some(raceways) = averaged_surfaces(ideal, scene) else { return Vec::new() };
     let balls = averaged_balls(ideal, scene);
     let inner = Raceway { part: SurfacePart::Inner, contact: &ideal.raceway.inner, surface: &raceways.inner };
@@ -35,8 +46,6 @@ pub fn surface_warnings(scene: &Scene, ideal: &Mechanism, settings: &RunSettings
     found.extend(bridged_troughs(&inner, &of_inner).or_else(|| bridged_troughs(&outer, &of_outer)));
     found.extend(rough_contact(scene, &inner, &of_inner).or_else(|| rough_contact(scene, &outer, &of_outer)));
     found.extend(waves_left_out(scene, &raceways, &balls));
-    found.extend(merged_cage_lines(scene, settings));
-    found.extend(missed_resonance(scene, ideal, settings));
     found.extend(unloaded_defect(scene, ideal));
     found
 }
