@@ -13,6 +13,8 @@ const STRIP = 18;
 export const LETTER = 7;
 /** Distance between the lower edges of bodies one around the other [px]. */
 const STEP = 6;
+/** Distance of the line of a seat from its ring [px]. */
+const DISTANCES = { rigid: 2, elastic: 9, sliding: 3.5 };
 /** Height of a spring with its ground [px]. */
 export const SPRING = 15;
 
@@ -127,7 +129,7 @@ export function seatShapes({ seat = 'rigid', spring_force_n: force }, place, { o
   const half = width / 2 + 2;
   return [-1, 1].map((side) => {
     const edge = axis + (side * outer) / 2;
-    const y = edge + side * { rigid: 2, elastic: 9, sliding: 3.5 }[seat in SEATS ? seat : 'rigid'];
+    const y = edge + side * (DISTANCES[seat] ?? DISTANCES.rigid);
     const line = s('path', { class: `seat ${seat}`, d: `M${place - half} ${y}H${place + half}` });
     if (seat === 'elastic')
       return [
@@ -174,8 +176,6 @@ export function sensorTips(sensor, bodies, surface, view) {
 /** Whether an item may lie beyond the ends of the shaft. */
 export const mayLieBeyond = (pointer, item) =>
   pointer.startsWith('/scene/housing/') || (pointer.startsWith('/scene/sensors') && !concernsShaft(item));
-
-const SEATS = { rigid: true, elastic: true, sliding: true };
 
 const spring = (x, top) => s('path', { class: 'spring', d: zigzag(x, top, 0, (SPRING - 3) / 5) });
 const ground = (x, base) => s('path', { class: 'ground', d: `M${x - 9} ${base - 1.5}h18` });
