@@ -207,7 +207,11 @@ fn diagram(scene: &str, found: &[Option<(f64, [f64; 4])>]) -> String {
     let panels =
         [panel("Level of the acceleration, worst of y and z"), panel("Level of the velocity, worst of y and z")];
     work_precision_svg(
-        [scene, "Error against the full dynamics at 1e-9; time with all checks, 0.1 s after 0.02 s", "relative tolerances"],
+        [
+            scene,
+            "Error against the full dynamics at 1e-9; time with all checks, 0.1 s after 0.02 s",
+            "relative tolerances",
+        ],
         &curves,
         panels,
     )

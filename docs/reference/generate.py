@@ -22,7 +22,6 @@ ANSWERS = {
     "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
     "MachineJobAnswer": "`GET /v1/jobs/{id}/machine`",
-    "ModePrecisionAnswer": "`GET /v1/jobs/{id}/accuracy` of a job with a shaft",
 }
 # Parts that another page describes.
 ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",
@@ -180,7 +179,7 @@ Square brackets include the end of a range, round ones exclude it. Where to find
     listed = order_of(schemas, roots)
     yield from objects(schemas, listed)
     # Jobs of shafts share materials and bearings with the others, and no other object.
-    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob", "MachineJob"]) if name not in listed])
+    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob", "MachineJob", "ShaftAccuracyJob"]) if name not in listed])
 
 
 def order_of(schemas, waiting):

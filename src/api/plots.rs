@@ -19,7 +19,8 @@ use super::studies::table_of;
 use crate::contract::answer::views::TraceView;
 use crate::contract::job::simulation::varying_speed_rpm;
 use crate::contract::{
-    AccuracyJobAnswer, JobKind, Metrics, OptimumAnswer, RotorAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer,
+    AccuracyJobAnswer, JobKind, Metrics, OptimumAnswer, RotorAnswer, SeriesAnswer, SpectrumKind, TableAnswer,
+    ViewsAnswer,
 };
 use crate::jobs::{JobError, Signal};
 use crate::plots::{draw, draw_rotor};

@@ -14,8 +14,12 @@ use crate::plots::draw;
 pub fn run(options: &AccuracyOptions) -> Exit {
     let parse = |body: &[u8]| contract::parse_accuracy_request(body, options.repetitions);
     match local::read(&options.scene, parse).and_then(|job| local::execute_into(&job, &options.output, options.quiet)) {
-        Ok((Outcome::Accuracy(answer), output)) => finish(&text_tables::work_precision(&answer), write(&answer, &output)),
-        Ok((Outcome::Modes(answer), output)) => finish(&text_tables::mode_precision(&answer), write_modes(&answer, &output)),
+        Ok((Outcome::Accuracy(answer), output)) => {
+            finish(&text_tables::work_precision(&answer), write(&answer, &output))
+        }
+        Ok((Outcome::Modes(answer), output)) => {
+            finish(&text_tables::mode_precision(&answer), write_modes(&answer, &output))
+        }
         Ok(_) => failed("the job is not of kind accuracy"),
         Err(exit) => exit,
     }

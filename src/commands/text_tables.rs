@@ -301,7 +301,8 @@ pub fn mode_precision(answer: &ModePrecisionAnswer) -> String {
         }
         text.push('\n');
         for (channel, level) in &reference.levels_db {
-            let _ = write!(text, "{channel:<34}{level:>11.2}{:>13}", error(reference.step_errors_db.get(channel).copied()));
+            let _ =
+                write!(text, "{channel:<34}{level:>11.2}{:>13}", error(reference.step_errors_db.get(channel).copied()));
             for point in &measured {
                 let _ = write!(text, "{:>11}", error(point.level_errors_db.get(channel).copied()));
             }

@@ -28,8 +28,8 @@ use crate::contract::job::orders::ReferenceName;
 use crate::contract::job::outputs::EnvelopeName;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::{
-    MachineAnswer, Metrics, ModePrecisionAnswer, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer,
-    WorkPrecisionAnswer,
+    MachineAnswer, Metrics, ModePrecisionAnswer, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
+    TableAnswer, WorkPrecisionAnswer,
 };
 use raceway_core::simulation::result::lines::Line;
 

@@ -156,6 +156,17 @@ fn overlap(a: Frame, b: Frame) -> bool {
     a.0 < b.2 && b.0 < a.2 && a.1 < b.3 && b.1 < a.3
 }
 
+/// Position of a point in a panel, whether its error is significant, and its label; `None` without this error.
+fn placed<'a>(
+    point: &'a WorkPoint,
+    panel: usize,
+    (x, y): (&Scale, &Scale),
+) -> Option<((f64, f64), bool, Option<&'a str>)> {
+    let (error, clear) = point.errors[panel]?;
+    let at = (x.at(within(logarithm(point.time_s), x.values)), y.at(within(logarithm(error), y.values)));
+    Some((at, clear, point.label.as_deref()))
+}
+
 /// Curves with their marks, hollow where the error is not significant, and the tolerances at the ends of each curve where they fit.
 fn draw_curves(
     drawing: &mut Drawing,
@@ -164,12 +175,10 @@ fn draw_curves(
     panel: usize,
     (x, y): (&Scale, &Scale),
 ) {
-    let place = |point: &WorkPoint| {
-        let (error, clear) = point.errors[panel]?;
-        let at = (x.at(within(logarithm(point.time_s), x.values)), y.at(within(logarithm(error), y.values)));
-        Some((at, clear, point.label.as_deref()))
-    };
-    let places: Vec<Vec<_>> = curves.iter().map(|curve| curve.points.iter().filter_map(place).collect()).collect();
+    let places: Vec<Vec<_>> = curves
+        .iter()
+        .map(|curve| curve.points.iter().filter_map(|point| placed(point, panel, (x, y))).collect())
+        .collect();
     let mut taken: Vec<Frame> = Vec::new();
     for (number, (curve, places)) in curves.iter().zip(&places).enumerate() {
         drawing.curve(number, places.iter().map(|place| place.0));
@@ -361,7 +370,11 @@ mod tests {
             FailedRun { label: "1e-3".into(), time_s: Some(7.0) },
             FailedRun { label: "1e-4".into(), time_s: None },
         ];
-        let svg = work_precision_svg(["t", "s", "relative tolerances"], &[curve("gear", 1.5), failing], panels([Some(1e-6), None]));
+        let svg = work_precision_svg(
+            ["t", "s", "relative tolerances"],
+            &[curve("gear", 1.5), failing],
+            panels([Some(1e-6), None]),
+        );
         assert_well_formed(&svg);
         for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "not significant", "dB", "class=\"ring"]
         {
@@ -375,7 +388,11 @@ mod tests {
         assert_well_formed(&work_precision_svg(["t", "s", "relative tolerances"], &[], panels([None, None])));
         let still = WorkPoint { label: Some("1e-3".into()), time_s: 0.0, errors: [Some((0.0, false)), None] };
         let curve = WorkPrecisionCurve { name: "gear", points: vec![still], failures: Vec::new() };
-        assert_well_formed(&work_precision_svg(["t", "s", "relative tolerances"], &[curve], panels([Some(0.0), Some(1e-300)])));
+        assert_well_formed(&work_precision_svg(
+            ["t", "s", "relative tolerances"],
+            &[curve],
+            panels([Some(0.0), Some(1e-300)]),
+        ));
     }
 
     #[test]

@@ -156,7 +156,11 @@ impl MachineJob {
 }
 
 /// The machine in SI; `None` after errors in its bearings, and where nothing is recorded.
-pub(super) fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut Defaults) -> Option<Machine> {
+pub(super) fn machine(
+    scene: &mut RotorSceneInput,
+    resolved: &ResolvedRotor,
+    defaults: &mut Defaults,
+) -> Option<Machine> {
     let ResolvedRotor { rotor, scenes, sensors, speed, outer_speed, .. } = resolved;
     let inputs = scene.bearings.as_deref_mut().unwrap_or_default();
     if inputs.len() != scenes.len() {

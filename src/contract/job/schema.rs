@@ -199,12 +199,19 @@ fn split_shaft_speed(schemas: &mut Schemas) {
 fn any_kind(description: Option<String>) -> Schema {
     let place = |kind: &Kind| Ref::from_schema_name(kind.name);
     let mapping = KINDS.iter().map(|kind| (kind.kind.name(), place(kind).ref_location));
-    let [rotor, machine, shaft_accuracy] = [ROTOR, MACHINE, SHAFT_ACCURACY].map(|name| move || Ref::from_schema_name(name));
+    let [rotor, machine, shaft_accuracy] =
+        [ROTOR, MACHINE, SHAFT_ACCURACY].map(|name| move || Ref::from_schema_name(name));
     let of_shafts = [(JobKind::Rotor.name(), rotor().ref_location), (JobKind::Machine.name(), machine().ref_location)];
     let mapping = mapping.chain(of_shafts);
     let any =
         OneOfBuilder::new().description(description).discriminator(Some(Discriminator::with_mapping("kind", mapping)));
-    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).item(rotor()).item(machine()).item(shaft_accuracy()).into()
+    KINDS
+        .iter()
+        .fold(any, |any, kind| any.item(place(kind)))
+        .item(rotor())
+        .item(machine())
+        .item(shaft_accuracy())
+        .into()
 }
 
 /// Fixed defaults of a job with a shaft: path to the object, field and value.

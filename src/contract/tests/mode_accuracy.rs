@@ -6,7 +6,8 @@ use serde_json::{Value, json};
 use crate::contract::{AccuracyJobAnswer, Job, JobKind, Outcome, Refusal, execute, parse_accuracy_request, parse_job};
 
 fn scene() -> Value {
-    let bearing = |name: &str, at: f64, faces: &str| json!({"name": name, "bearing": "6205", "at_mm": at, "faces": faces});
+    let bearing =
+        |name: &str, at: f64, faces: &str| json!({"name": name, "bearing": "6205", "at_mm": at, "faces": faces});
     json!({
         "shaft": {"sections": [{"length_mm": 200, "outer_diameter_mm": 25}]},
         "bearings": [bearing("A", 40.0, "+x"), bearing("B", 160.0, "-x")],
@@ -39,7 +40,10 @@ fn numbers_of_modes_are_compared_with_a_reference() {
     assert_eq!(points.iter().map(|point| point["mode_range"].as_f64().unwrap()).collect::<Vec<_>>(), [1.0, 0.25]);
     for point in points {
         assert_eq!(point["status"], "succeeded", "{point}");
-        assert_eq!(point["level_errors_db"].as_object().unwrap().len(), answer["reference"]["levels_db"].as_object().unwrap().len());
+        assert_eq!(
+            point["level_errors_db"].as_object().unwrap().len(),
+            answer["reference"]["levels_db"].as_object().unwrap().len()
+        );
         assert!(point["coordinates"].as_u64() < answer["reference"]["coordinates"].as_u64());
         assert!(point["mode_error_db"].is_number() && point["steps"].as_u64() > Some(1000));
     }
@@ -64,7 +68,10 @@ fn defaults_of_a_shaft_are_shown() {
     };
     let job = comparison.complete();
     assert_eq!(job["mode_ranges"], json!([1.0, 1.5, 2.0]));
-    assert_eq!((&job["reference_range"], &job["duration_s"], &job["repetitions"]), (&json!(5.0), &json!(0.1), &json!(3)));
+    assert_eq!(
+        (&job["reference_range"], &job["duration_s"], &job["repetitions"]),
+        (&json!(5.0), &json!(0.1), &json!(3))
+    );
     assert!(job["settle_s"].is_null() && job["step_us"].is_null(), "{job}");
 }
 

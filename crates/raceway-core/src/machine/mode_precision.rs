@@ -162,18 +162,20 @@ impl Runs<'_> {
             let mut work = Work::default();
             let share = |done: u32| f64::from(done) / f64::from(plan.repetitions);
             let clock = Clock::start();
-            let recorded = control.part((share(index), share(index + 1)), |control| {
-                run.record(plan.duration, step, control, &mut work)
-            });
+            let recorded = control
+                .part((share(index), share(index + 1)), |control| run.record(plan.duration, step, control, &mut work));
             taken.push(clock.taken());
-            recorded.map(|recording| (recording, work)).map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
+            recorded
+                .map(|recording| (recording, work))
+                .map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
         };
         let (recording, work) = once(0)?;
         // Runs repeat bit for bit.
         (1..plan.repetitions).try_for_each(|index| once(index).map(drop))?;
         let found = levels(&recording);
         let errors = deviations(&self.reference.levels, &found);
-        let of_same_step: Vec<_> = self.same_step.iter().filter_map(|(channel, level)| Some((*channel, (*level)?))).collect();
+        let of_same_step: Vec<_> =
+            self.same_step.iter().filter_map(|(channel, level)| Some((*channel, (*level)?))).collect();
         let is_compared = |channel: &MachineChannel| self.reference.levels.iter().any(|(of, _)| of == channel);
         let mode_errors = deviations(&of_same_step, &found).into_iter().filter(|(channel, _)| is_compared(channel));
         Ok(ModeMeasured { size: size_of(&dynamics), work, errors, mode_errors: mode_errors.collect() })
@@ -204,6 +206,7 @@ fn deviations(
     levels: &[(MachineChannel, Option<f64>)],
 ) -> Vec<(MachineChannel, f64)> {
     let level = |channel: MachineChannel| levels.iter().find(|(of, _)| *of == channel)?.1;
-    let deviation = |(channel, reference): &(MachineChannel, f64)| Some((*channel, (level(*channel)? - reference).abs()));
+    let deviation =
+        |(channel, reference): &(MachineChannel, f64)| Some((*channel, (level(*channel)? - reference).abs()));
     reference.iter().filter_map(deviation).collect()
 }

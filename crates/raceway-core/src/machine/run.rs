@@ -125,7 +125,8 @@ impl Run<'_> {
                 .part((0.0, RUN_SHARE), |control| self.record(duration, step, control, &mut work))
                 .and_then(|recording| {
                     let half = step.halved();
-                    let again = control.part((RUN_SHARE, 1.0), |control| self.record(window, half, control, &mut work))?;
+                    let again =
+                        control.part((RUN_SHARE, 1.0), |control| self.record(window, half, control, &mut work))?;
                     Ok((recording, again))
                 });
             let (recording, again) = match recorded {

@@ -200,9 +200,8 @@ fn cheapest(within_db: f64, points: &[ModePointAnswer]) -> Option<RecommendedMod
     };
     let is_within = |point: &MeasuredModesAnswer| point.level_error_db.is_some_and(|error| error <= within_db);
     // Few modes may match the levels by chance; more of them must match, too.
-    let is_confirmed = |point: &MeasuredModesAnswer| {
-        measured().filter(|other| other.mode_range >= point.mode_range).all(is_within)
-    };
+    let is_confirmed =
+        |point: &MeasuredModesAnswer| measured().filter(|other| other.mode_range >= point.mode_range).all(is_within);
     let best = measured().filter(|point| is_confirmed(point)).min_by(|a, b| time(a).total_cmp(&time(b)))?;
     Some(RecommendedModesAnswer {
         within_db,

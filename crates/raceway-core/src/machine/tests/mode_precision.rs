@@ -37,9 +37,7 @@ fn more_modes_have_smaller_errors_and_a_repetition_has_the_same_bits() {
     assert_eq!(few.mode_errors.len(), found.reference.levels.len());
     assert!(largest(&few.mode_errors) > 2.0 * largest(&many.mode_errors), "{few:?} {many:?}");
     // The step is an error of every run; modes and step together err by no more than the sum of both.
-    for (error, (mode, step)) in
-        many.errors.iter().zip(many.mode_errors.iter().zip(&found.reference.step_errors))
-    {
+    for (error, (mode, step)) in many.errors.iter().zip(many.mode_errors.iter().zip(&found.reference.step_errors)) {
         assert!(error.1 <= mode.1 + step.1 + 1e-9, "{error:?} {mode:?} {step:?}");
     }
     let again = compare(&machine, &plan(), &Control::until(&|| false)).unwrap();
