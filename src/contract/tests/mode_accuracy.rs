@@ -55,7 +55,7 @@ fn numbers_of_modes_are_compared_with_a_reference() {
     let read: AccuracyJobAnswer = serde_json::from_str(&text).unwrap();
     let AccuracyJobAnswer::Modes(read) = read else { panic!("another result was read") };
     let svg = crate::plots::draw::mode_precision(&read);
-    assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n") || svg.ends_with("</svg>"), "{svg}");
+    assert!(svg.starts_with("<svg"), "{svg}");
     for text in ["probe", "highest kept modes over 20 kHz", "0.25"] {
         assert!(svg.contains(text), "{text}");
     }

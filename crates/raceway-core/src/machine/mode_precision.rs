@@ -1,4 +1,4 @@
-//! Error against run time for the number of modes of a shaft: runs with free modes up to several frequencies, each compared with a reference
+//! Error against run time for the number of modes of a shaft. Runs with free modes up to several frequencies are compared with a reference
 //! of more modes and half steps.
 //!
 //! All runs have the same settling, step and recorded time. Their starts differ only by the modes that each keeps. The timed part is the
