@@ -191,8 +191,8 @@ fn diagram(scene: &str, found: &[Option<(f64, [f64; 4])>]) -> String {
     let point = |index: usize| {
         let (time_s, [ay, az, vy, vz]) = found[index]?;
         let worst = |a: f64, b: f64| Some((a.abs().max(b.abs()).max(1e-12), true));
-        let relative_tolerance = TOLERANCES.get(index).copied();
-        Some(WorkPoint { relative_tolerance, time_s, errors: [worst(ay, az), worst(vy, vz)] })
+        let label = TOLERANCES.get(index).map(|tolerance| format!("{tolerance:e}"));
+        Some(WorkPoint { label, time_s, errors: [worst(ay, az), worst(vy, vz)] })
     };
     let curves: Vec<_> = CURVES
         .iter()
@@ -207,8 +207,11 @@ fn diagram(scene: &str, found: &[Option<(f64, [f64; 4])>]) -> String {
     let panels =
         [panel("Level of the acceleration, worst of y and z"), panel("Level of the velocity, worst of y and z")];
     work_precision_svg(
-        scene,
-        "Error against the full dynamics at 1e-9; time with all checks, 0.1 s after 0.02 s",
+        [
+            scene,
+            "Error against the full dynamics at 1e-9; time with all checks, 0.1 s after 0.02 s",
+            "relative tolerances",
+        ],
         &curves,
         panels,
     )

@@ -63,6 +63,15 @@ with tempfile.TemporaryDirectory() as directory:
     check(done.returncode == 0 and "motion unknown: run too short" in done.stdout,
           "a run of a microsecond reports what it is too short for")
     check(done.stderr == "", "--quiet leaves stderr empty")
+shaft = {"scene": {"shaft": {"sections": [{"length_mm": 200, "outer_diameter_mm": 25}]},
+                   "bearings": [{"name": name, "bearing": "6205", "at_mm": at} for name, at in (("A", 40), ("B", 160))],
+                   "operation": {"speed_rpm": 6000, "radial_load_y_n": 300}},
+         "mode_ranges": [0.5, 1], "reference_range": 2, "settle_s": 0.005, "duration_s": 0.005}
+with tempfile.TemporaryDirectory() as directory:
+    done = raceway("accuracy", "-", "--quiet", "--output", directory, stdin=json.dumps(shaft))
+    check(done.returncode == 0 and "mode range" in done.stdout and "A.y.acceleration" in done.stdout,
+          "accuracy of a shaft compares numbers of modes")
+    check({"accuracy.json", "work-precision.svg"} == set(os.listdir(directory)), "and writes its files")
 check("openapi" in json.loads(raceway("openapi").stdout), "openapi prints the document")
 check(raceway("health", "--listen", "127.0.0.1:1").returncode == 1, "health without a service ends with 1")
 check(raceway("--version").stdout.startswith("raceway "), "the version is printed")

@@ -179,7 +179,7 @@ Square brackets include the end of a range, round ones exclude it. Where to find
     listed = order_of(schemas, roots)
     yield from objects(schemas, listed)
     # Jobs of shafts share materials and bearings with the others, and no other object.
-    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob", "MachineJob"]) if name not in listed])
+    yield from objects(schemas, [name for name in order_of(schemas, ["RotorJob", "MachineJob", "ShaftAccuracyJob"]) if name not in listed])
 
 
 def order_of(schemas, waiting):

@@ -75,7 +75,7 @@ fn accepted(job: &Job) {
         }
         Job::Optimum(search) => assert!(search.most_runs() > 0),
         // Rotors and machines have no scene to resolve, and were left above.
-        Job::Simulation(_) | Job::Accuracy(_) | Job::Rotor(_) | Job::Machine(_) => {}
+        Job::Simulation(_) | Job::Accuracy(_) | Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => {}
     }
 }
 

@@ -17,6 +17,7 @@ use super::error::{ApiError, PROBLEM_JSON, Problem};
 use super::limits::{BODY_LIMIT, SERIES_LIMIT};
 use super::submission_headers::wrong_wait;
 use crate::contract::job::machine::MachineInput;
+use crate::contract::job::mode_comparison::ModeComparisonInput;
 use crate::contract::job::schema;
 use crate::contract::{FieldError, Refusal};
 use crate::jobs::{ExpiredJob, JobError, Status};
@@ -47,7 +48,7 @@ pub const DOCUMENT: &str = "document";
         (name = "document", description = "This description; as a page at `/docs/`")
     ),
     security(("token" = [])),
-    components(schemas(Problem, MachineInput)),
+    components(schemas(Problem, MachineInput, ModeComparisonInput)),
     modifiers(&TokenScheme)
 )]
 pub struct Description;

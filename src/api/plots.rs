@@ -19,8 +19,8 @@ use super::studies::table_of;
 use crate::contract::answer::views::TraceView;
 use crate::contract::job::simulation::varying_speed_rpm;
 use crate::contract::{
-    JobKind, Metrics, OptimumAnswer, RotorAnswer, SeriesAnswer, SpectrumKind, TableAnswer, ViewsAnswer,
-    WorkPrecisionAnswer,
+    AccuracyJobAnswer, JobKind, Metrics, OptimumAnswer, RotorAnswer, SeriesAnswer, SpectrumKind, TableAnswer,
+    ViewsAnswer,
 };
 use crate::jobs::{JobError, Signal};
 use crate::plots::{draw, draw_rotor};
@@ -287,7 +287,13 @@ async fn rotor(app: &App, owner: &str, id: Uuid, draw: fn(&RotorAnswer) -> Strin
 
 async fn work_precision(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {
     let stored = app.jobs.report(owner, id, JobKind::Accuracy).await?;
-    formatted(move || Ok(svg_response(draw::work_precision(&read::<WorkPrecisionAnswer>(&stored)?)))).await
+    formatted(move || {
+        Ok(svg_response(match read::<AccuracyJobAnswer>(&stored)? {
+            AccuracyJobAnswer::Methods(answer) => draw::work_precision(&answer),
+            AccuracyJobAnswer::Modes(answer) => draw::mode_precision(&answer),
+        }))
+    })
+    .await
 }
 
 async fn optimum(app: &App, owner: &str, id: Uuid) -> Result<Response, ApiError> {

@@ -20,7 +20,7 @@ use super::series_answer::Part;
 use super::stored_answer::{CSV, JSON, NPY, formatted, json_text, respond, series_of, spectrum_of};
 use crate::contract::answer::csv;
 use crate::contract::{
-    JobKind, MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind, WorkPrecisionAnswer,
+    AccuracyJobAnswer, JobKind, MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind,
 };
 use crate::jobs::{JobError, Signal, StoredSeries};
 
@@ -135,11 +135,11 @@ pub async fn series(
 
 /// Get error against run time
 ///
-/// Result of an accuracy job: run time and error of each method at each tolerance, and the error of the reference itself.
+/// Result of an accuracy job: run time and error of each method at each tolerance, or of each number of modes of a shaft, and the error of the reference itself.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/accuracy", tag = openapi::RESULTS, operation_id = "getAccuracy",
     params(("id" = Uuid, Path, description = "The job, of kind `accuracy`")),
-    responses((status = 200, description = "Error against run time", body = WorkPrecisionAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
+    responses((status = 200, description = "Error against run time", body = AccuracyJobAnswer), Unchanged, BadQuery, NoJob, NoResult, NotAccepted, Anywhere)
 )]
 pub async fn accuracy(wanted: StoredResult) -> Result<Response, ApiError> {
     wanted.report(JobKind::Accuracy).await

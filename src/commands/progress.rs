@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
+use raceway_core::machine::mode_precision::ModePlan;
+
 use crate::contract::{self, Job};
 
 /// Time between two updates of the line on a terminal.
@@ -69,6 +71,11 @@ fn reported<T>(
 
 /// Kind, simulated time and estimated run time of a job.
 fn announcement(job: &Job) -> String {
+    if let Job::Modes(comparison) = job {
+        let ModePlan { duration, ranges, repetitions, .. } = &comparison.plan;
+        let (runs, times) = (ranges.len(), times(*repetitions));
+        return format!("{}: {duration} s, {runs} runs{times} and their reference", job.kind().name());
+    }
     let Some(base) = job.base() else { return job.kind().name().to_owned() };
     let simulated = format!("{} s after {} s", base.settings.duration, base.settings.settle);
     let cost = contract::estimate(job);
@@ -85,7 +92,7 @@ fn announcement(job: &Job) -> String {
             let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
             format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
         }
-        Job::Simulation(_) | Job::Study(_) | Job::Rotor(_) | Job::Machine(_) => {
+        Job::Simulation(_) | Job::Study(_) | Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => {
             format!("{kind}: {simulated}; {estimate}")
         }
     }

@@ -35,6 +35,7 @@ fn finish(job: &Job, outcome: &Outcome, output: Option<&OutputDirectory>) -> Exi
     let text = match outcome {
         Outcome::Simulation(simulated) => json(&simulated.metrics),
         Outcome::Accuracy(answer) => json(answer),
+        Outcome::Modes(answer) => json(answer),
         Outcome::Optimum(answer) => json(answer),
         Outcome::Rotor(answer) => json(answer),
         Outcome::Machine(outcome) => json(&outcome.answer),
@@ -46,6 +47,7 @@ fn finish(job: &Job, outcome: &Outcome, output: Option<&OutputDirectory>) -> Exi
     let written = output.map(|directory| match outcome {
         Outcome::Simulation(simulated) => write(job, simulated, directory),
         Outcome::Accuracy(answer) => accuracy::write(answer, directory),
+        Outcome::Modes(answer) => accuracy::write_modes(answer, directory),
         Outcome::Optimum(answer) => optimum::write(answer, directory),
         Outcome::Rotor(answer) => write_rotor(answer, directory),
         Outcome::Machine(outcome) => write_machine(job, outcome, directory),

@@ -7,10 +7,11 @@ use serde_json::Value;
 
 use crate::contract::answer::report::MotionName;
 use crate::contract::answer::uncertainty::uncertain;
+use crate::contract::answer::work_precision::mode_point::ModePointAnswer;
 use crate::contract::answer::work_precision::point::{MeasuredAnswer, PointAnswer};
 use crate::contract::answer::work_precision::recommended::RECOMMENDED_ERRORS_DB;
 use crate::contract::job::input::GoalName;
-use crate::contract::{OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
+use crate::contract::{ModePrecisionAnswer, OptimumAnswer, PointStatus, TableAnswer, WorkPrecisionAnswer};
 
 /// Rows of the table of metrics: name, pointer into the metrics, unit, digits.
 const ROWS: [(&str, &str, &str, usize); 18] = [
@@ -244,6 +245,91 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
         timing.repetitions, timing.inside, timing.outside
     );
     text + &recommendation(answer)
+}
+
+/// Error against run time for the number of modes: one row for each range, the largest error of each channel, and recommendations.
+pub fn mode_precision(answer: &ModePrecisionAnswer) -> String {
+    let (reference, compared, timing) = (&answer.reference, &answer.compared, &answer.timing);
+    let step_error = reference.step_errors_db.values().copied().reduce(f64::max);
+    let mut text = format!(
+        "{}\n{} s after {} s, steps of {} µs\nreference: modes to {} × 20 kHz, {} coordinates, steps of {} µs; error of the runs' step alone: {}\n",
+        compared.scene,
+        compared.duration_s,
+        compared.settle_s,
+        compared.step_us,
+        reference.mode_range,
+        reference.coordinates,
+        reference.step_us,
+        step_error.map_or("–".to_owned(), |error| format!("{error:.2e} dB")),
+    );
+    let _ = writeln!(
+        text,
+        "\n{:<12}{:>12}{:>13}{:>13}{:>11}{:>18}{:>10}{:>10}{:>13}  status",
+        "mode range", "coordinates", "error [dB]", "modes [dB]", "time [s]", "range", "cpu [s]", "steps", "evaluations"
+    );
+    let error = |value: Option<f64>| value.map_or("–".to_owned(), |error| format!("{error:.2e}"));
+    for point in &answer.points {
+        let _ = match point {
+            ModePointAnswer::Succeeded(point) => writeln!(
+                text,
+                "{:<12}{:>12}{:>13}{:>13}{:>11.4}{:>18}{:>10}{:>10}{:>13}  succeeded",
+                point.mode_range,
+                point.coordinates,
+                error(point.level_error_db),
+                error(point.mode_error_db),
+                point.wall_time_s,
+                match point.wall_time_range_s.as_slice() {
+                    [least, most] => format!("{least:.4}–{most:.4}"),
+                    _ => String::new(),
+                },
+                point.processor_time_s.map_or("–".to_owned(), |time| format!("{time:.4}")),
+                point.steps,
+                point.evaluations,
+            ),
+            ModePointAnswer::Failed(point) => writeln!(
+                text,
+                "{:<12}{:>12}{:>13}{:>13}{:>11.4}{:>51}  failed: {}",
+                point.mode_range, "–", "–", "–", point.wall_time_s, "", point.reason
+            ),
+        };
+    }
+    let measured: Vec<_> = answer.points.iter().filter_map(ModePointAnswer::measured).collect();
+    if !measured.is_empty() {
+        let _ = write!(text, "\n{:<34}{:>11}{:>13}", "level error [dB]", "level [dB]", "step alone");
+        for point in &measured {
+            let _ = write!(text, "{:>11}", format!("× {}", point.mode_range));
+        }
+        text.push('\n');
+        for (channel, level) in &reference.levels_db {
+            let _ =
+                write!(text, "{channel:<34}{level:>11.2}{:>13}", error(reference.step_errors_db.get(channel).copied()));
+            for point in &measured {
+                let _ = write!(text, "{:>11}", error(point.level_errors_db.get(channel).copied()));
+            }
+            text.push('\n');
+        }
+    }
+    let _ = writeln!(
+        text,
+        "\nmode range: highest frequency of the kept modes over 20 kHz\n\
+         error: of a level against the reference, largest of all channels (those more than 60 dB below the strongest are excluded)\n\
+         modes: the same against a run with the modes of the reference at the same step\n\
+         time: median and range of {}, one thread; cpu: processor time of the run\n\
+         timed: {}; not timed: {}\n",
+        timing.repetitions, timing.inside, timing.outside
+    );
+    for within in RECOMMENDED_ERRORS_DB {
+        let _ = match answer.recommended.iter().find(|recommended| recommended.within_db == within) {
+            Some(found) => writeln!(
+                text,
+                "cheapest within {within} dB: modes to {} × 20 kHz, {:.2} s",
+                found.mode_range,
+                found.processor_time_s.unwrap_or(found.wall_time_s)
+            ),
+            None => writeln!(text, "cheapest within {within} dB: none of the ranges"),
+        };
+    }
+    text
 }
 
 /// One line for each error bound.

@@ -21,6 +21,7 @@ pub use answer::rotor::RotorAnswer;
 pub use answer::signals::{SeriesAnswer, SeriesHead, SpectrumAnswer, SpectrumKind, Thinning};
 pub use answer::table::{Row, TableAnswer};
 pub use answer::views::ViewsAnswer;
+pub use answer::work_precision::modes::{AccuracyJobAnswer, ModePrecisionAnswer};
 pub use answer::work_precision::result::WorkPrecisionAnswer;
 pub use job::checked::Job;
 pub use job::cost::estimate;

@@ -1,5 +1,6 @@
 //! Runs a checked job.
 
+use raceway_core::machine::mode_precision;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::scene::Scene;
@@ -19,6 +20,7 @@ use super::answer::point::PointEnd;
 use super::answer::rotor::RotorAnswer;
 use super::answer::signals::{SpectrumAnswer, SpectrumKind};
 use super::answer::views::ViewsAnswer;
+use super::answer::work_precision::modes::ModePrecisionAnswer;
 use super::answer::work_precision::result::WorkPrecisionAnswer;
 use super::job::checked::Job;
 use super::job::parse::parse_job_or_scene;
@@ -31,6 +33,8 @@ use super::json::problem::{FieldError, Refusal};
 pub enum Outcome {
     Simulation(Box<Simulated>),
     Accuracy(Box<WorkPrecisionAnswer>),
+    /// Of an accuracy job of a shaft.
+    Modes(Box<ModePrecisionAnswer>),
     Optimum(Box<OptimumAnswer>),
     Rotor(Box<RotorAnswer>),
     Machine(Box<MachineOutcome>),
@@ -54,7 +58,7 @@ impl Outcome {
     pub fn into_simulated(self) -> Result<Simulated, RunFailure> {
         match self {
             Self::Simulation(simulated) => Ok(*simulated),
-            Self::Accuracy(_) | Self::Optimum(_) | Self::Rotor(_) | Self::Machine(_) => {
+            Self::Accuracy(_) | Self::Modes(_) | Self::Optimum(_) | Self::Rotor(_) | Self::Machine(_) => {
                 Err(internal("the result is not that of a simulation"))
             }
         }
@@ -80,6 +84,12 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
             let answer = WorkPrecisionAnswer::of(comparison, &study);
             check_finite("accuracy", &answer)?;
             Ok(Outcome::Accuracy(Box::new(answer)))
+        }
+        Job::Modes(comparison) => {
+            let found = mode_precision::compare(&comparison.machine, &comparison.plan, control)?;
+            let answer = ModePrecisionAnswer::of(comparison, &found);
+            check_finite("accuracy", &answer)?;
+            Ok(Outcome::Modes(Box::new(answer)))
         }
         Job::Rotor(rotor) => Ok(Outcome::Rotor(Box::new(execute_rotor(rotor, control.stop)?))),
         Job::Machine(machine) => {

@@ -332,8 +332,11 @@ fn solve(
     let sink: Arc<dyn SeriesSink> = Arc::clone(series) as _;
     let mut outcome = simulator(&job, &Control { stop: &stop, progress: &progress, live: &live, series: Some(&sink) })?;
     let solved = begin.elapsed();
-    if let contract::Outcome::Accuracy(answer) = &mut outcome {
-        answer.timing.most_other_runs = Some(most_other_runs.into_inner() as u64);
+    let most_other_runs = Some(most_other_runs.into_inner() as u64);
+    match &mut outcome {
+        contract::Outcome::Accuracy(answer) => answer.timing.most_other_runs = most_other_runs,
+        contract::Outcome::Modes(answer) => answer.timing.most_other_runs = most_other_runs,
+        _ => {}
     }
     let solver = match &outcome {
         contract::Outcome::Simulation(simulated) => Some(&simulated.metrics.solver),

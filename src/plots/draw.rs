@@ -1,5 +1,7 @@
 //! Plots of results: of a simulation, a study, an optimum job and an accuracy job.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Map, Value};
 
 use super::loads::{LoadCurve, loads_svg};
@@ -18,15 +20,16 @@ use crate::contract::answer::optimum::{PurposeName, RangeAnswer, RunAnswer};
 use crate::contract::answer::orders::{OrderLineAnswer, OrdersAnswer, WaterfallAnswer, WaterfallAxis};
 use crate::contract::answer::table::AxisAnswer;
 use crate::contract::answer::views::{ImpactView, LoadsView, OrbitView, TraceView};
+use crate::contract::answer::work_precision::mode_point::ModePointAnswer;
 use crate::contract::answer::work_precision::point::PointAnswer;
 use crate::contract::answer::work_precision::reference::floors;
 use crate::contract::job::input::GoalName;
 use crate::contract::job::orders::ReferenceName;
 use crate::contract::job::outputs::EnvelopeName;
-use crate::contract::json::numbers::significant;
+use crate::contract::json::numbers::{short, significant};
 use crate::contract::{
-    MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind, TableAnswer,
-    WorkPrecisionAnswer,
+    MachineAnswer, Metrics, ModePrecisionAnswer, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
+    TableAnswer, WorkPrecisionAnswer,
 };
 use raceway_core::simulation::result::lines::Line;
 
@@ -211,7 +214,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
         let Some(curve) = curves.last_mut() else { continue };
         match point {
             PointAnswer::Succeeded(point) => curve.points.push(WorkPoint {
-                relative_tolerance: Some(point.relative_tolerance),
+                label: Some(format!("{:e}", point.relative_tolerance)),
                 time_s: point.wall_time_s,
                 errors: [
                     point.level_error_db.map(|error| (error, !point.level_below_reference)),
@@ -220,7 +223,7 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
             }),
             PointAnswer::Failed(point) => curve
                 .failures
-                .push(FailedRun { relative_tolerance: point.relative_tolerance, time_s: point.wall_time_s }),
+                .push(FailedRun { label: format!("{:e}", point.relative_tolerance), time_s: point.wall_time_s }),
         }
     }
     let (reference, compared) = (&answer.reference, &answer.compared);
@@ -235,7 +238,61 @@ pub fn work_precision(answer: &WorkPrecisionAnswer) -> String {
         ErrorPanel { name: "Error of the level, worst of all axes", unit: "dB", floor: level },
         ErrorPanel { name: "Error of the trajectory", unit: "rms, in standard deviations", floor: trajectory },
     ];
-    work_precision_svg(title, &subtitle, &curves, panels)
+    work_precision_svg([title, &subtitle, "relative tolerances"], &curves, panels)
+}
+
+/// Error against run time for the number of modes: one curve for each bearing, sensor and body, of its largest error.
+pub fn mode_precision(answer: &ModePrecisionAnswer) -> String {
+    let part = |channel: &'_ str| match channel.strip_prefix("sensor.") {
+        Some(rest) => rest.split('.').next().unwrap_or_default().to_owned(),
+        None => channel.split('.').next().unwrap_or_default().to_owned(),
+    };
+    let mut parts: Vec<String> = Vec::new();
+    for name in answer.reference.levels_db.keys().map(|channel| part(channel)) {
+        if !parts.contains(&name) {
+            parts.push(name);
+        }
+    }
+    let mut points: Vec<&ModePointAnswer> = answer.points.iter().collect();
+    points.sort_by(|one, other| one.mode_range().total_cmp(&other.mode_range()));
+    let curve = |name: &'_ String| {
+        let largest = |errors: &BTreeMap<String, f64>| {
+            let of_part = errors.iter().filter(|(channel, _)| part(channel) == *name);
+            of_part.map(|(_, error)| (*error, true)).reduce(|one, other| if other.0 > one.0 { other } else { one })
+        };
+        let measured = points.iter().filter_map(|point| point.measured()).map(|point| WorkPoint {
+            label: Some(short(point.mode_range)),
+            time_s: point.wall_time_s,
+            errors: [largest(&point.level_errors_db), largest(&point.mode_errors_db)],
+        });
+        (name.clone(), measured.collect())
+    };
+    let curves: Vec<(String, Vec<WorkPoint>)> = parts.iter().map(curve).collect();
+    let mut curves: Vec<WorkPrecisionCurve<'_>> = curves
+        .iter()
+        .map(|(name, points)| WorkPrecisionCurve { name, points: points.clone(), failures: Vec::new() })
+        .collect();
+    let failure = |point: &&ModePointAnswer| match point {
+        ModePointAnswer::Failed(of) => Some(FailedRun { label: short(of.mode_range), time_s: Some(of.wall_time_s) }),
+        ModePointAnswer::Succeeded(_) => None,
+    };
+    let failures: Vec<FailedRun> = points.iter().filter_map(failure).collect();
+    if !failures.is_empty() {
+        curves.push(WorkPrecisionCurve { name: "run", points: Vec::new(), failures });
+    }
+    let (reference, compared) = (&answer.reference, &answer.compared);
+    let subtitle = format!(
+        "Error against run time: {} s after {} s; reference: modes to {} × 20 kHz, {} µs",
+        compared.duration_s,
+        compared.settle_s,
+        short(reference.mode_range),
+        short(reference.step_us)
+    );
+    let panels = [
+        ErrorPanel { name: "Error of the level, modes and step together", unit: "dB", floor: None },
+        ErrorPanel { name: "Error of the level by the modes left out", unit: "dB", floor: None },
+    ];
+    work_precision_svg([&compared.scene, &subtitle, "highest kept modes over 20 kHz"], &curves, panels)
 }
 
 /// Number of panels of a trend from which on no further quantity is added.

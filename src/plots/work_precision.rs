@@ -4,28 +4,28 @@
 use super::axis::{Scale, decade};
 use super::svg::{Anchor, Drawing};
 
-/// One method at its tolerances.
+/// One method at its tolerances, or one part of a machine with several numbers of modes.
 pub struct WorkPrecisionCurve<'a> {
     pub name: &'a str,
-    /// Points, loosest tolerance first.
+    /// Points, in the order of their settings.
     pub points: Vec<WorkPoint>,
     pub failures: Vec<FailedRun>,
 }
 
 /// A finished run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct WorkPoint {
-    /// Relative tolerance [-], the label of the ends of a curve; `None` for methods without one.
-    pub relative_tolerance: Option<f64>,
+    /// Setting of the run, as a label at the ends of a curve; `None` for a curve without settings.
+    pub label: Option<String>,
     pub time_s: f64,
     /// Errors in the order of the panels: value, and whether it exceeds the error of the reference.
     pub errors: [Option<(f64, bool)>; 2],
 }
 
 /// A failed run; without a time it was not tried.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct FailedRun {
-    pub relative_tolerance: f64,
+    pub label: String,
     pub time_s: Option<f64>,
 }
 
@@ -69,10 +69,9 @@ pub struct ErrorPanel {
     pub floor: Option<f64>,
 }
 
-/// Two stacked panels, one for each error of the points.
+/// Two stacked panels, one for each error of the points. `settings`: the meaning of the labels.
 pub fn work_precision_svg(
-    title: &str,
-    subtitle: &str,
+    [title, subtitle, settings]: [&str; 3],
     curves: &[WorkPrecisionCurve<'_>],
     panels: [ErrorPanel; 2],
 ) -> String {
@@ -105,7 +104,7 @@ pub fn work_precision_svg(
     let middle = 0.5 * (LEFT + WIDTH - RIGHT);
     drawing.text("", Anchor::Middle, middle, bottom + 37.0, "run time in s");
     let below = if has_floor { "; dashed line: smaller errors are not significant (hollow marks)" } else { "" };
-    let marks = &format!("numbers: relative tolerances{below}");
+    let marks = &format!("numbers: {settings}{below}");
     drawing.text("small", Anchor::Middle, 0.5 * WIDTH, bottom + 60.0, marks);
     for (line, (number, curve)) in failed.into_iter().enumerate() {
         let at = bottom + 84.0 + LINE * line as f64;
@@ -130,11 +129,11 @@ fn legend_places(names: &[&str]) -> (Vec<(f64, f64)>, usize) {
     (places, row as usize + 1)
 }
 
-/// Tolerances at which a method failed, and those that were not tried afterwards.
+/// Settings with which a method failed, and those that were not tried afterwards.
 fn failures_in_words(curve: &WorkPrecisionCurve<'_>) -> String {
     let listed = |tried: bool| {
         let tolerances = curve.failures.iter().filter(|failure| failure.time_s.is_some() == tried);
-        let texts: Vec<String> = tolerances.map(|failure| format!("{:e}", failure.relative_tolerance)).collect();
+        let texts: Vec<String> = tolerances.map(|failure| failure.label.clone()).collect();
         match texts.as_slice() {
             [] => None,
             [first, .., last] if texts.len() > 3 => Some(format!("{first} to {last}")),
@@ -157,6 +156,17 @@ fn overlap(a: Frame, b: Frame) -> bool {
     a.0 < b.2 && b.0 < a.2 && a.1 < b.3 && b.1 < a.3
 }
 
+/// Position of a point in a panel, whether its error is significant, and its label; `None` without this error.
+fn placed<'a>(
+    point: &'a WorkPoint,
+    panel: usize,
+    (x, y): (&Scale, &Scale),
+) -> Option<((f64, f64), bool, Option<&'a str>)> {
+    let (error, clear) = point.errors[panel]?;
+    let at = (x.at(within(logarithm(point.time_s), x.values)), y.at(within(logarithm(error), y.values)));
+    Some((at, clear, point.label.as_deref()))
+}
+
 /// Curves with their marks, hollow where the error is not significant, and the tolerances at the ends of each curve where they fit.
 fn draw_curves(
     drawing: &mut Drawing,
@@ -165,12 +175,10 @@ fn draw_curves(
     panel: usize,
     (x, y): (&Scale, &Scale),
 ) {
-    let place = |point: &WorkPoint| {
-        let (error, clear) = point.errors[panel]?;
-        let at = (x.at(within(logarithm(point.time_s), x.values)), y.at(within(logarithm(error), y.values)));
-        Some((at, clear, point.relative_tolerance))
-    };
-    let places: Vec<Vec<_>> = curves.iter().map(|curve| curve.points.iter().filter_map(place).collect()).collect();
+    let places: Vec<Vec<_>> = curves
+        .iter()
+        .map(|curve| curve.points.iter().filter_map(|point| placed(point, panel, (x, y))).collect())
+        .collect();
     let mut taken: Vec<Frame> = Vec::new();
     for (number, (curve, places)) in curves.iter().zip(&places).enumerate() {
         drawing.curve(number, places.iter().map(|place| place.0));
@@ -189,9 +197,9 @@ fn draw_curves(
     let segments: Vec<_> = places.iter().flat_map(|places| places.windows(2).map(|two| (two[0].0, two[1].0))).collect();
     for places in &places {
         let ends = [places.first(), places.last().filter(|_| places.len() > 1)];
-        let labelled = ends.into_iter().flatten().filter_map(|&(at, _, tolerance)| Some((at, tolerance?)));
-        for ((at_x, at_y), tolerance) in labelled {
-            let text = format!("{tolerance:e}").replace('-', "−");
+        let labelled = ends.into_iter().flatten().filter_map(|&(at, _, label)| Some((at, label?)));
+        for ((at_x, at_y), label) in labelled {
+            let text = label.replace('-', "−");
             let width = SMALL_LETTER * text.chars().count() as f64;
             let inside: Frame = (LEFT, top + STRIP - SMALL_HEIGHT, WIDTH - RIGHT, top + PANEL);
             if let Some((left, bottom)) = free_place((at_x, at_y), width, inside, &taken, &segments) {
@@ -348,7 +356,7 @@ mod tests {
 
     fn curve(name: &str, slope: f64) -> WorkPrecisionCurve<'_> {
         let point = |k: i32| WorkPoint {
-            relative_tolerance: Some(10f64.powi(-k)),
+            label: Some(format!("1e-{k}")),
             time_s: 0.1 * slope.powi(k),
             errors: [Some((10f64.powi(-k), k < 6)), (k > 3).then(|| (10f64.powi(1 - k), true))],
         };
@@ -359,10 +367,14 @@ mod tests {
     fn picture_has_methods_tolerances_floor_and_failures() {
         let mut failing = curve("radau", 1.2);
         failing.failures = vec![
-            FailedRun { relative_tolerance: 1e-3, time_s: Some(7.0) },
-            FailedRun { relative_tolerance: 1e-4, time_s: None },
+            FailedRun { label: "1e-3".into(), time_s: Some(7.0) },
+            FailedRun { label: "1e-4".into(), time_s: None },
         ];
-        let svg = work_precision_svg("t", "s", &[curve("gear", 1.5), failing], panels([Some(1e-6), None]));
+        let svg = work_precision_svg(
+            ["t", "s", "relative tolerances"],
+            &[curve("gear", 1.5), failing],
+            panels([Some(1e-6), None]),
+        );
         assert_well_formed(&svg);
         for text in ["gear", "radau failed at 1e-3; not tried: 1e-4", "1e−3", "not significant", "dB", "class=\"ring"]
         {
@@ -373,10 +385,14 @@ mod tests {
 
     #[test]
     fn nothing_zeros_and_a_single_point_are_drawn_too() {
-        assert_well_formed(&work_precision_svg("t", "s", &[], panels([None, None])));
-        let still = WorkPoint { relative_tolerance: Some(1e-3), time_s: 0.0, errors: [Some((0.0, false)), None] };
+        assert_well_formed(&work_precision_svg(["t", "s", "relative tolerances"], &[], panels([None, None])));
+        let still = WorkPoint { label: Some("1e-3".into()), time_s: 0.0, errors: [Some((0.0, false)), None] };
         let curve = WorkPrecisionCurve { name: "gear", points: vec![still], failures: Vec::new() };
-        assert_well_formed(&work_precision_svg("t", "s", &[curve], panels([Some(0.0), Some(1e-300)])));
+        assert_well_formed(&work_precision_svg(
+            ["t", "s", "relative tolerances"],
+            &[curve],
+            panels([Some(0.0), Some(1e-300)]),
+        ));
     }
 
     #[test]

@@ -157,3 +157,34 @@ fn invalid_accuracy_jobs_are_refused_with_their_fields() {
     assert_eq!(resolved.status, 200, "{resolved:?}");
     assert_eq!(resolved.json()["methods"], json!(["gear"]));
 }
+
+#[test]
+fn an_accuracy_job_of_a_shaft_compares_numbers_of_modes() {
+    let server = start();
+    let bearing = |name: &str, at: f64| json!({ "name": name, "bearing": "6205", "at_mm": at });
+    let mut job = json!({
+        "kind": "accuracy", "mode_ranges": [0.5, 1], "reference_range": 1.5,
+        "settle_s": 0.002, "duration_s": 0.004, "step_us": 5.5,
+        "scene": {
+            "shaft": { "sections": [{ "length_mm": 200, "outer_diameter_mm": 25 }] },
+            "bearings": [bearing("A", 40.0), bearing("B", 160.0)],
+            "operation": { "speed_rpm": 6000, "radial_load_y_n": 300 },
+        },
+    });
+    let path = server.submit(&job);
+    let ended = server.wait_for(&path, &["succeeded", "failed"]);
+    assert_eq!((&ended["status"], &ended["kind"]), (&json!("succeeded"), &json!("accuracy")), "{ended}");
+    let answer = server.get(&format!("{path}/accuracy")).json();
+    let points = answer["points"].as_array().expect("points");
+    assert_eq!(points.len(), 2);
+    for field in ["coordinates", "wall_time_s", "steps", "evaluations", "level_error_db", "mode_error_db"] {
+        assert!(points.iter().all(|point| point[field].is_number()), "{field}: {answer}");
+    }
+    assert_eq!(answer["timing"]["most_other_runs"], 0);
+    let plot = server.get(&format!("{path}/plots/work-precision.svg"));
+    assert_eq!((plot.status, plot.header("content-type")), (200, Some("image/svg+xml")));
+    job["mode_ranges"] = json!([2]);
+    let problem = server.post("/v1/jobs", &job).problem(422);
+    assert_eq!(problem["errors"][0]["pointer"], "/mode_ranges/0", "{problem}");
+    server.post("/v1/scenes/resolve", &job).problem(422);
+}

@@ -157,7 +157,7 @@ fn short(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
             comparison.plan.relative_tolerances.truncate(2);
             &mut comparison.base
         }
-        Job::Rotor(_) | Job::Machine(_) => return contract::execute(&job, control),
+        Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => return contract::execute(&job, control),
     };
     base.settings.settle = 0.0;
     base.settings.duration = 0.001;

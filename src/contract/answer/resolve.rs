@@ -157,12 +157,12 @@ pub struct StaticAnswer {
     pub max_pressure_mpa: f64,
 }
 
-/// Resolves a checked job; `None` for rotor and machine jobs.
+/// Resolves a checked job; `None` for jobs of shafts.
 pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
     let base = job.base()?;
     let at_rest = static_loads(base.scene(), &base.terms).ok();
     let (plan, points, most_runs) = match job {
-        Job::Simulation(_) | Job::Rotor(_) | Job::Machine(_) => (None, None, None),
+        Job::Simulation(_) | Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => (None, None, None),
         Job::Study(study) => (None, Some(study.points as u64), None),
         Job::Optimum(search) => (None, None, Some(search.most_runs() as u64)),
         Job::Accuracy(comparison) => (Some(&comparison.plan), None, None),

@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::comparison::Comparison;
 use super::kind::JobKind;
 use super::machine::MachineJob;
+use super::mode_comparison::ModeComparison;
 use super::orders::{OrderRequest, OrdersInput};
 use super::recorded_turns::RecordedTurns;
 use super::rotor::RotorJob;
@@ -25,6 +26,8 @@ pub enum Job {
     Study(Study),
     Optimum(Search),
     Accuracy(Comparison),
+    /// An accuracy job of a shaft.
+    Modes(Box<ModeComparison>),
     Rotor(Box<RotorJob>),
     Machine(Box<MachineJob>),
 }
@@ -34,6 +37,9 @@ impl Job {
     pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
         let kind = JobKind::of(&request)?;
         match kind {
+            JobKind::Accuracy if request.pointer("/scene/shaft").is_some() => {
+                ModeComparison::of(request, uploads).map(|job| Self::Modes(Box::new(job)))
+            }
             JobKind::Simulation | JobKind::Study | JobKind::Optimum | JobKind::Accuracy => {
                 with_single_bearing(request, |request| Self::of_one_bearing(kind, request, uploads))
             }
@@ -71,21 +77,20 @@ impl Job {
             Self::Simulation(_) => JobKind::Simulation,
             Self::Study(_) => JobKind::Study,
             Self::Optimum(_) => JobKind::Optimum,
-            Self::Accuracy(_) => JobKind::Accuracy,
+            Self::Accuracy(_) | Self::Modes(_) => JobKind::Accuracy,
             Self::Rotor(_) => JobKind::Rotor,
             Self::Machine(_) => JobKind::Machine,
         }
     }
 
-    /// The simulation itself, or what all runs of the job share; `None` for rotor and machine jobs, whose scene is
-    /// that of a shaft.
+    /// The simulation itself, or what all runs of the job share; `None` for jobs whose scene is that of a shaft.
     pub fn base(&self) -> Option<&Simulation> {
         match self {
             Self::Simulation(simulation) => Some(simulation),
             Self::Study(study) => Some(&study.base),
             Self::Optimum(search) => Some(&search.base),
             Self::Accuracy(comparison) => Some(&comparison.base),
-            Self::Rotor(_) | Self::Machine(_) => None,
+            Self::Modes(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
 
@@ -95,12 +100,13 @@ impl Job {
             Self::Study(study) => &study.base.submission,
             Self::Optimum(search) => &search.base.submission,
             Self::Accuracy(comparison) => &comparison.base.submission,
+            Self::Modes(comparison) => &comparison.submission,
             Self::Rotor(rotor) => &rotor.submission,
             Self::Machine(machine) => &machine.submission,
         }
     }
 
-    /// The scene of the simulations; `None` for rotor and machine jobs.
+    /// The scene of the simulations; `None` for jobs of shafts.
     pub fn scene(&self) -> Option<&Scene> {
         self.base().map(Simulation::scene)
     }
@@ -126,7 +132,7 @@ impl Job {
         match self {
             Self::Study(study) => Some(study.points),
             Self::Optimum(search) => Some(search.most_runs()),
-            Self::Simulation(_) | Self::Accuracy(_) | Self::Rotor(_) | Self::Machine(_) => None,
+            Self::Simulation(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
 
@@ -135,7 +141,7 @@ impl Job {
         match self {
             Self::Simulation(run) => Some(RecordedTurns::of(run.scene(), run.settings.settle, run.settings.duration)),
             Self::Machine(run) => Some(RecordedTurns::of_machine(&run.machine, start, run.settings.duration)),
-            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
+            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
         }
     }
 
@@ -153,7 +159,7 @@ impl Job {
         let orders = match self {
             Self::Simulation(simulation) => simulation.outputs.orders.as_ref(),
             Self::Machine(machine) => machine.input.outputs.as_ref().and_then(|outputs| outputs.orders.as_ref()),
-            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Rotor(_) => None,
+            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
         };
         orders?.channels.as_ref()?.first().map(String::as_str)
     }
@@ -165,6 +171,7 @@ impl Job {
             Self::Study(study) => study.canonical().to_string(),
             Self::Optimum(search) => search.canonical().to_string(),
             Self::Accuracy(comparison) => comparison.complete().to_string(),
+            Self::Modes(comparison) => comparison.complete().to_string(),
             Self::Rotor(rotor) => rotor.complete().to_string(),
             Self::Machine(machine) => machine.complete().to_string(),
         }
@@ -174,6 +181,7 @@ impl Job {
     pub fn complete(&self) -> Value {
         let mut job = match self {
             Self::Accuracy(comparison) => return comparison.complete(),
+            Self::Modes(comparison) => return comparison.complete(),
             Self::Rotor(rotor) => return rotor.complete(),
             Self::Machine(machine) => return machine.complete(),
             Self::Simulation(simulation) => simulation.complete(),

@@ -7,7 +7,7 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, listed};
 use serde_json::Value;
 
-/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports. `machine`: a shaft on ball bearings in time.
+/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances, or numbers of modes of a shaft. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports. `machine`: a shaft on ball bearings in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JobKindName {

@@ -127,11 +127,7 @@ impl MachineJob {
     pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
         let mut draft = ShaftDraft::<MachineInput>::of(request, uploads)?;
         let (input, defaults) = (&mut draft.input, &mut draft.defaults);
-        let mut machine = machine(&mut input.scene, &draft.resolved, defaults);
-        if machine.as_ref().is_some_and(|machine| MachineChannel::all(machine).is_empty()) {
-            defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
-            machine = None;
-        }
+        let machine = machine(&mut input.scene, &draft.resolved, defaults);
         let settings = settings(input, machine.as_ref(), defaults);
         let (submission, input, _) = draft.finish()?;
         // Without errors there is one.
@@ -159,8 +155,12 @@ impl MachineJob {
     }
 }
 
-/// The machine in SI; `None` after errors in its bearings.
-fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut Defaults) -> Option<Machine> {
+/// The machine in SI; `None` after errors in its bearings, and where nothing is recorded.
+pub(super) fn machine(
+    scene: &mut RotorSceneInput,
+    resolved: &ResolvedRotor,
+    defaults: &mut Defaults,
+) -> Option<Machine> {
     let ResolvedRotor { rotor, scenes, sensors, speed, outer_speed, .. } = resolved;
     let inputs = scene.bearings.as_deref_mut().unwrap_or_default();
     if inputs.len() != scenes.len() {
@@ -177,41 +177,62 @@ fn machine(scene: &mut RotorSceneInput, resolved: &ResolvedRotor, defaults: &mut
     let rotor = rotor.clone().at_speeds(RingSpeeds { inner: speed.at(0.0).1, outer: outer_speed.at(0.0).1 });
     let bodies = scene.housing.iter().flat_map(|housing| &housing.bodies).map(|body| body.name.clone()).collect();
     let (speed, outer_speed, sensors) = (speed.clone(), outer_speed.clone(), sensors.clone());
-    Some(Machine { rotor, bearings, speed, outer_speed, sensors, bodies })
+    let machine = Machine { rotor, bearings, speed, outer_speed, sensors, bodies };
+    if MachineChannel::all(&machine).is_empty() {
+        defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
+        return None;
+    }
+    Some(machine)
 }
 
 /// Times, accuracy and outputs of the run. Errors are noted in `defaults`.
 fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut Defaults) -> MachineSettings {
+    let duration = checked_times(&mut input.settle_s, &mut input.duration_s, DURATION_S, machine, defaults);
+    let range = defaults.fill("/mode_range", &mut input.mode_range, RANGE);
+    defaults.check_of_rotor("/mode_range", range);
+    if let Some(step) = input.step_us {
+        defaults.check_of_rotor("/step_us", step);
+    }
+    let mut series = Vec::new();
+    if let Some(machine) = machine {
+        // At a constant speed the number of turns does not depend on the time before.
+        let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
+        series = input.outputs.as_mut().map(|outputs| outputs.resolve(machine, &run, defaults)).unwrap_or_default();
+    }
+    MachineSettings { settle: input.settle_s, duration, step: input.step_us.map(|step| US.to_si(step)), range, series }
+}
+
+/// The recorded time [s], by default up to the last point of a speed profile, or `usual`. Errors of it and of the time before are noted in
+/// `defaults`.
+pub(super) fn checked_times(
+    settle_s: &mut Option<f64>,
+    duration_s: &mut Option<f64>,
+    usual: f64,
+    machine: Option<&Machine>,
+    defaults: &mut Defaults,
+) -> f64 {
     let changing = machine.into_iter().flat_map(|machine| [&machine.speed, &machine.outer_speed]);
     let changing: Vec<_> = changing.filter(|speed| !speed.is_constant()).collect();
     if !changing.is_empty() {
         let first = changing.iter().map(|speed| speed.points()[0].0).fold(f64::INFINITY, f64::min);
         let last = changing.iter().map(|speed| speed.end()).fold(0.0, f64::max);
-        let settle = defaults.fill("/settle_s", &mut input.settle_s, first);
-        let run_up = significant((last - settle).clamp(DURATION_S, MAX_RUN_UP_S), 6);
-        defaults.fill("/duration_s", &mut input.duration_s, run_up);
+        let settle = defaults.fill("/settle_s", settle_s, first);
+        let run_up = significant((last - settle).clamp(usual, MAX_RUN_UP_S), 6);
+        defaults.fill("/duration_s", duration_s, run_up);
     }
-    let duration = defaults.fill("/duration_s", &mut input.duration_s, DURATION_S);
-    let range = defaults.fill("/mode_range", &mut input.mode_range, RANGE);
-    defaults.check_of_rotor("/mode_range", range);
-    for (pointer, value) in [("/settle_s", input.settle_s), ("/step_us", input.step_us)] {
-        if let Some(value) = value {
-            defaults.check_of_rotor(pointer, value);
-        }
+    let duration = defaults.fill("/duration_s", duration_s, usual);
+    if let Some(settle) = *settle_s {
+        defaults.check_of_rotor("/settle_s", settle);
     }
     let is_inside = defaults.check_of_rotor("/duration_s", duration);
-    let mut series = Vec::new();
     if let Some(machine) = machine {
         let channels = MachineChannel::all(machine).len() as f64;
         if is_inside && duration * RATE * channels > MAX_VALUES {
             let (longest, given) = (short(MAX_VALUES / (RATE * channels)), short(duration));
             defaults.refuse("/duration_s", format!("{given} s: at most {longest} s with {channels} channels"));
         }
-        // At a constant speed the number of turns does not depend on the time before.
-        let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
-        series = input.outputs.as_mut().map(|outputs| outputs.resolve(machine, &run, defaults)).unwrap_or_default();
     }
-    MachineSettings { settle: input.settle_s, duration, step: input.step_us.map(|step| US.to_si(step)), range, series }
+    duration
 }
 
 impl MachineOutputsInput {

@@ -6,6 +6,7 @@ pub mod checked;
 
 pub mod comparison;
 pub mod machine;
+pub mod mode_comparison;
 pub mod rotor;
 pub mod search;
 pub mod study;

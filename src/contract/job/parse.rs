@@ -74,6 +74,10 @@ pub fn parse_scene_request_with(body: &[u8], uploads: &Uploads) -> Result<Job, R
     }
     match Job::of(with_kind(JobKind::Simulation, request), uploads)? {
         Job::Rotor(_) => Err(FieldError::new("/kind", "`rotor` has nothing to resolve: post it to /v1/rotor").into()),
+        Job::Modes(_) => {
+            let detail = "a scene with a `shaft` has nothing to resolve: post it to /v1/rotor, as `kind` `rotor`";
+            Err(FieldError::new("/kind", detail).into())
+        }
         Job::Machine(_) => {
             let detail = "`machine` has nothing to resolve: post its scene to /v1/rotor, as `kind` `rotor`";
             Err(FieldError::new("/kind", detail).into())

@@ -6,6 +6,7 @@ use utoipa::openapi::{Ref, RefOr};
 
 use super::checked::Job;
 use super::kind::{FIELDS_OF_SOME_KINDS, JobKind};
+use super::mode_comparison::{DURATION_S, MODE_RANGES, REFERENCE_RANGE};
 use crate::contract::json::limits;
 use crate::contract::json::schema::{Schemas, change, set_defaults, set_limits};
 use crate::contract::json::uploads::Uploads;
@@ -16,6 +17,8 @@ const JOB: &str = "JobInput";
 const ROTOR: &str = "RotorJob";
 /// Name of the schema of a machine job.
 const MACHINE: &str = "MachineJob";
+/// Name of the schema of an accuracy job of a shaft. Its `kind` is that of an accuracy job of one bearing.
+const SHAFT_ACCURACY: &str = "ShaftAccuracyJob";
 
 /// A kind of job in the OpenAPI document.
 pub struct Kind {
@@ -123,7 +126,7 @@ pub fn complete(schemas: &mut Schemas) {
     // Of schemas that both share, those of a simulation are the wider ones.
     for limits in limits::all_of_rotor() {
         let path: Vec<&str> = limits.pointer().split('/').skip(1).collect();
-        for job in [ROTOR, MACHINE] {
+        for job in [ROTOR, MACHINE, SHAFT_ACCURACY] {
             change(schemas, job, &path, &|number| set_limits(number, limits));
         }
     }
@@ -147,6 +150,10 @@ pub fn complete(schemas: &mut Schemas) {
             change(schemas, job, path, &|object| set_defaults(object, name, Some(&json!({ name: value }))));
         }
     }
+    let of_shaft_accuracy = json!({
+        "mode_ranges": MODE_RANGES, "reference_range": REFERENCE_RANGE, "duration_s": DURATION_S, "repetitions": 1, "priority": 2,
+    });
+    change(schemas, SHAFT_ACCURACY, &[], &|object| set_defaults(object, "*", Some(&of_shaft_accuracy)));
     for kind in &KINDS {
         let usual = kind.with_defaults();
         for pointer in kind.defaults {
@@ -192,12 +199,19 @@ fn split_shaft_speed(schemas: &mut Schemas) {
 fn any_kind(description: Option<String>) -> Schema {
     let place = |kind: &Kind| Ref::from_schema_name(kind.name);
     let mapping = KINDS.iter().map(|kind| (kind.kind.name(), place(kind).ref_location));
-    let [rotor, machine] = [ROTOR, MACHINE].map(|name| move || Ref::from_schema_name(name));
+    let [rotor, machine, shaft_accuracy] =
+        [ROTOR, MACHINE, SHAFT_ACCURACY].map(|name| move || Ref::from_schema_name(name));
     let of_shafts = [(JobKind::Rotor.name(), rotor().ref_location), (JobKind::Machine.name(), machine().ref_location)];
     let mapping = mapping.chain(of_shafts);
     let any =
         OneOfBuilder::new().description(description).discriminator(Some(Discriminator::with_mapping("kind", mapping)));
-    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).item(rotor()).item(machine()).into()
+    KINDS
+        .iter()
+        .fold(any, |any, kind| any.item(place(kind)))
+        .item(rotor())
+        .item(machine())
+        .item(shaft_accuracy())
+        .into()
 }
 
 /// Fixed defaults of a job with a shaft: path to the object, field and value.

@@ -47,8 +47,8 @@ const OF_A_JOB: [FieldLimits; 13] = [
     from("/outputs/orders/overlap", 0.0, 0.9, ""),
 ];
 
-/// Limits of fields of rotor and machine jobs, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 71] = [
+/// Limits of fields of jobs of shafts, without indices of lists.
+const OF_A_ROTOR: [FieldLimits; 74] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -58,6 +58,9 @@ const OF_A_ROTOR: [FieldLimits; 71] = [
     from("/settle_s", 0.0, 60.0, "s"),
     from("/step_us", 0.1, 20.0, "µs"),
     from("/mode_range", 0.1, 5.0, ""),
+    from("/mode_ranges", 0.1, 5.0, ""),
+    from("/reference_range", 0.1, 5.0, ""),
+    from("/repetitions", 1.0, MAX_REPETITIONS as f64, ""),
     from("/priority", 1.0, 4.0, ""),
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/scene/gravity_m_s2", -1000.0, 1000.0, "m/s²"),

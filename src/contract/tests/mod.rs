@@ -1,5 +1,6 @@
 mod accepted;
 mod loads;
+mod mode_accuracy;
 mod optimum;
 mod refused;
 mod results;

@@ -43,6 +43,7 @@ impl StoredResult {
         match outcome {
             Outcome::Simulation(simulated) => Self::of_simulation(simulated, chunks),
             Outcome::Accuracy(answer) => Self::of_report(chunks.result, answer),
+            Outcome::Modes(answer) => Self::of_report(chunks.result, answer),
             Outcome::Optimum(answer) => Self::of_report(chunks.result, answer),
             Outcome::Rotor(answer) => Self::of_report(chunks.result, answer),
             Outcome::Machine(outcome) => Self::of_machine(outcome, chunks),

@@ -213,13 +213,21 @@ impl Rows {
     /// Displacements, or velocities, of the place.
     #[inline(always)]
     pub fn of_place(&self, coordinates: &[f64]) -> [f64; PORT] {
+        let length = self.0.len().min(coordinates.len());
+        let ((pairs, last), (values, last_value)) =
+            (self.0[..length].as_chunks::<2>(), coordinates[..length].as_chunks::<2>());
         // Two sums side by side: one would wait for itself with each coordinate.
         let mut sums = [[0.0; LANES]; 2];
-        for (pair, values) in self.0.chunks(2).zip(coordinates.chunks(2)) {
-            for ((sum, by), value) in sums.iter_mut().zip(pair).zip(values) {
+        for (pair, values) in pairs.iter().zip(values) {
+            for side in 0..2 {
                 for lane in 0..LANES {
-                    sum[lane] += by[lane] * value;
+                    sums[side][lane] += pair[side][lane] * values[side];
                 }
+            }
+        }
+        for (by, value) in last.iter().zip(last_value) {
+            for lane in 0..LANES {
+                sums[0][lane] += by[lane] * value;
             }
         }
         std::array::from_fn(|row| sums[0][row] + sums[1][row])

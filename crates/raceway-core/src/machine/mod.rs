@@ -8,6 +8,8 @@ pub mod codes;
 pub mod input;
 pub mod result;
 pub mod run;
+
+pub mod mode_precision;
 pub mod settings;
 
 pub mod bearing;

@@ -47,83 +47,130 @@ pub fn simulate(
     check_growth(machine, &dynamics, settle, settings.duration)?;
     let start = start_state(machine, &dynamics)?;
     let run = Run { machine, dynamics: &dynamics, start: &start, settle };
-    let mut step = StepLength { longest: settings.step.unwrap_or_else(|| first_step(&dynamics)), share: 1.0 };
-    let may_shorten = |step: StepLength| settings.step.is_none() && step.halved().full() >= SHORTEST;
-    let rejected = |step: f64, cause| {
-        MachineWarning::StepRejected(RejectedStep { step, cause, limit: limit_of_step(&dynamics, step) })
-    };
-    let (mut rejections, mut work, mut last_error) = (Vec::new(), 0, None);
     let window = settings.duration.min(REPEATED);
-    loop {
-        let recorded = control
-            .part((0.0, RUN_SHARE), |control| run.record(settings.duration, step, control, &mut work))
-            .and_then(|recording| {
-                let half = step.halved();
-                let again = control.part((RUN_SHARE, 1.0), |control| run.record(window, half, control, &mut work))?;
-                Ok((recording, again))
-            });
-        let (recording, again) = match recorded {
-            Err(Unrecorded::Stopped(time)) => return Err(MachineError::Stopped(time)),
-            Err(Unrecorded::Lost { time, cause }) if may_shorten(step) => {
-                rejections.push(rejected(step.full(), StepCause::Lost { time, loss: cause }));
-                step = step.halved();
-                continue;
-            }
-            Err(Unrecorded::Lost { time, cause }) => {
-                let steps = settings.step.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
-                return Err(MachineError::Lost { time, cause, steps });
-            }
-            Ok(both) => both,
-        };
-        let errors: Vec<_> = level_errors(&recording, &again);
-        let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
-        let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
-        // The error of a regular motion falls with the square of the step.
-        let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last);
-        if let Some((channel, error_db)) = worst.filter(|(_, error)| *error > ALLOWED_DB && falls && may_shorten(step))
-        {
-            rejections.push(rejected(step.full(), StepCause::Deviation { channel, error_db }));
-            last_error = Some(error_db);
-            step = step.halved();
-            continue;
-        }
-        let last = match settings.step {
-            Some(_) => LastStep::Selected,
-            None if falls => LastStep::Shortest,
-            None => LastStep::Irregular,
-        };
-        let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work };
-        let mut result = MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy);
-        result.warnings = warnings(machine, &dynamics, &result, (ALLOWED_DB, last));
-        result.warnings.extend(rejections);
-        return Ok(result);
-    }
+    let Confirmed { recording, errors, step, last, rejections, work, .. } =
+        run.confirmed(settings.step, [settings.duration, window], control)?;
+    let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations };
+    let mut result = MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy);
+    result.warnings = warnings(machine, &dynamics, &result, (ALLOWED_DB, last));
+    result.warnings.extend(rejections);
+    Ok(result)
+}
+
+/// A run in steps that half steps confirm.
+pub(super) struct Confirmed {
+    pub recording: MachineRecording,
+    /// The run in half steps.
+    pub again: MachineRecording,
+    /// Estimated error of the level of each acceleration [dB]; `None` where it is silent or faint.
+    pub errors: Vec<(MachineChannel, Option<f64>)>,
+    pub step: StepLength,
+    /// Reason why no shorter one was tried.
+    pub last: LastStep,
+    /// Longer steps that were rejected.
+    pub rejections: Vec<MachineWarning>,
+    /// Of all runs.
+    pub work: Work,
+}
+
+/// Work of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Work {
+    pub steps: u64,
+    /// Evaluations of the bearings.
+    pub evaluations: u64,
 }
 
 /// Reason why a run recorded nothing.
-enum Unrecorded {
+pub(super) enum Unrecorded {
     /// The caller no longer wants the result [s].
     Stopped(f64),
     /// No bearing can hold the motion any more.
     Lost { time: f64, cause: Loss },
 }
 
+impl Unrecorded {
+    /// The error of a run in these steps.
+    pub(super) fn in_steps(self, steps: StepsOfLoss) -> MachineError {
+        match self {
+            Self::Stopped(time) => MachineError::Stopped(time),
+            Self::Lost { time, cause } => MachineError::Lost { time, cause, steps },
+        }
+    }
+}
+
 /// A run from the start.
-struct Run<'a> {
-    machine: &'a Machine,
-    dynamics: &'a MachineDynamics,
-    start: &'a [f64],
-    settle: f64,
+pub(super) struct Run<'a> {
+    pub machine: &'a Machine,
+    pub dynamics: &'a MachineDynamics,
+    pub start: &'a [f64],
+    pub settle: f64,
 }
 
 impl Run<'_> {
+    /// Records the first of two times after settling [s]. Its steps are the selected ones [s], or the longest for which half steps confirm
+    /// the levels over the second time.
+    pub(super) fn confirmed(
+        &self,
+        selected: Option<f64>,
+        [duration, window]: [f64; 2],
+        control: &Control<'_>,
+    ) -> Result<Confirmed, MachineError> {
+        let mut step = StepLength { longest: selected.unwrap_or_else(|| first_step(self.dynamics)), share: 1.0 };
+        let may_shorten = |step: StepLength| selected.is_none() && step.halved().full() >= SHORTEST;
+        let rejected = |step: f64, cause| {
+            MachineWarning::StepRejected(RejectedStep { step, cause, limit: limit_of_step(self.dynamics, step) })
+        };
+        let (mut rejections, mut work, mut last_error) = (Vec::new(), Work::default(), None);
+        loop {
+            let recorded = control
+                .part((0.0, RUN_SHARE), |control| self.record(duration, step, control, &mut work))
+                .and_then(|recording| {
+                    let half = step.halved();
+                    let again =
+                        control.part((RUN_SHARE, 1.0), |control| self.record(window, half, control, &mut work))?;
+                    Ok((recording, again))
+                });
+            let (recording, again) = match recorded {
+                Err(Unrecorded::Lost { time, cause }) if may_shorten(step) => {
+                    rejections.push(rejected(step.full(), StepCause::Lost { time, loss: cause }));
+                    step = step.halved();
+                    continue;
+                }
+                Err(unrecorded) => {
+                    let steps = selected.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
+                    return Err(unrecorded.in_steps(steps));
+                }
+                Ok(both) => both,
+            };
+            let errors: Vec<_> = level_errors(&recording, &again);
+            let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
+            let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
+            // The error of a regular motion falls with the square of the step.
+            let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last);
+            let is_large = |error: f64| error > ALLOWED_DB && falls && may_shorten(step);
+            if let Some((channel, error_db)) = worst.filter(|(_, error)| is_large(*error)) {
+                rejections.push(rejected(step.full(), StepCause::Deviation { channel, error_db }));
+                last_error = Some(error_db);
+                step = step.halved();
+                continue;
+            }
+            let last = match selected {
+                Some(_) => LastStep::Selected,
+                None if falls => LastStep::Shortest,
+                None => LastStep::Irregular,
+            };
+            return Ok(Confirmed { recording, again, errors, step, last, rejections, work });
+        }
+    }
+
     /// Records a time after settling, in steps of a length.
-    fn record(
+    pub(super) fn record(
         &self,
         duration: f64,
         step: StepLength,
         control: &Control<'_>,
-        work: &mut u64,
+        work: &mut Work,
     ) -> Result<MachineRecording, Unrecorded> {
         let mut recorder = Recorder::new(self.machine, self.dynamics, self.settle, duration, step.full());
         let mut stepper = MachineStepper::new(self.dynamics, 0.0, self.start, step);
@@ -140,7 +187,8 @@ impl Run<'_> {
                 self.check(&stepper)?;
             }
         }
-        *work += stepper.evaluations();
+        work.steps += steps;
+        work.evaluations += stepper.evaluations();
         self.check(&stepper)?;
         Ok(recorder.finish())
     }
@@ -164,7 +212,7 @@ impl Run<'_> {
 
 /// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times against their outer rings [s]. The run starts near its
 /// stationary motion already.
-fn settling_time(dynamics: &MachineDynamics) -> f64 {
+pub(super) fn settling_time(dynamics: &MachineDynamics) -> f64 {
     let rate = dynamics.frame.system.growth_rate(dynamics.speed.at(0.0).1).unwrap_or_default();
     let turning = dynamics.bearings.iter().map(|bearing| {
         let m = bearing.dynamics.mechanism();

@@ -43,6 +43,7 @@ use crate::simulation::model::{Mechanism, Model};
 
 mod housing;
 mod loads;
+mod mode_precision;
 mod power;
 mod warnings;
 

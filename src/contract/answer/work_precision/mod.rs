@@ -7,4 +7,8 @@ pub mod recommended;
 pub mod point;
 pub mod reference;
 
+pub mod modes;
+
+pub mod mode_point;
+
 pub mod machine;

@@ -1,7 +1,6 @@
 //! The common task of all runs of a study: one initial state, one time span, one observer.
 
-use std::time::Instant;
-
+use super::clock::{Clock, Taken};
 use crate::numerics::ode::{Choice, Integrator, OdeSystem, Statistics};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::settings::RunSettings;
@@ -42,44 +41,6 @@ pub struct Finished {
     pub statistics: Statistics,
     pub choice: Choice,
     pub taken: Taken,
-}
-
-/// Duration of a run [s].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Taken {
-    pub wall: f64,
-    /// Processor time of this thread within it; `None` where the system does not measure it.
-    pub processor: Option<f64>,
-}
-
-/// Clock of wall time and processor time.
-struct Clock {
-    begin: Instant,
-    processor: Option<f64>,
-}
-
-impl Clock {
-    fn start() -> Self {
-        Self { processor: processor_time(), begin: Instant::now() }
-    }
-
-    fn taken(&self) -> Taken {
-        let wall = self.begin.elapsed().as_secs_f64();
-        let processor = self.processor.and_then(|begin| Some(processor_time()? - begin));
-        Taken { wall, processor }
-    }
-}
-
-/// Processor time of this thread so far [s].
-#[cfg(target_os = "linux")]
-fn processor_time() -> Option<f64> {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
-    Some(time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64)
-}
-
-#[cfg(not(target_os = "linux"))]
-fn processor_time() -> Option<f64> {
-    None
 }
 
 /// Values between the start of the runs and the first one kept: past the filter's delay.

@@ -5,6 +5,8 @@
 //! motion and the interpolation to the output grid. Equilibrium, settling, reference, spectra and comparison are not timed. Each run
 //! uses one thread and a bounded number of evaluations. Knows no JSON, no plot and no choice of method by itself.
 
+mod clock;
+
 mod course;
 
 mod errors;
@@ -13,7 +15,8 @@ mod report;
 
 mod study;
 
-pub use course::Taken;
+pub(crate) use clock::Clock;
+pub use clock::Taken;
 pub use errors::{Errors, LEAST_SCALE, MOST_GROWN, TrajectoryError};
 pub use report::{Measured, Plan, Point, Reference, WorkPrecision};
 pub use study::{ABOVE_OWN_ERROR, SETTLING, level_floor, study};

@@ -1,6 +1,6 @@
 //! Plan of a study and its outcome.
 
-use super::course::Taken;
+use super::clock::Taken;
 use super::errors::{Errors, TrajectoryError};
 use crate::numerics::ode::{Choice, Method, Statistics};
 use crate::simulation::error::lyapunov::MotionKind;
