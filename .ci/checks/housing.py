@@ -233,9 +233,9 @@ def case_refusals(running):
         "with a short shape": (as_modes({"shape": {"head": [1, 0, 0, 0]}}), f"{modes}/0/shape/head"),
     }
     for name, (housing, pointer) in imported.items():
-        on = {} if pointer == f"{at}/bodies" else {"on": "head"}
+        on = {"on": "head"} if "ports" in housing else {}
         for kind in ("rotor", "machine"):
-            found = pointers(spindle(on, on, housing), kind) if housing else pointers(spindle() | {"housing": {}}, kind)
+            found = pointers(spindle(on, on) | {"housing": housing}, kind)
             verdict(found == [pointer], f"a {kind} with an imported structure {name} is refused at {found}")
 
     def housed(body=None, mount=None, **fields):

@@ -82,7 +82,7 @@ pub fn structure(
     defaults: &mut Defaults,
 ) -> Option<Structure> {
     let known_errors = defaults.errors.len();
-    let ports = check_ports(ports, defaults);
+    let ports = check_ports(ports, defaults)?;
     let structure = match (modes, matrices) {
         (Some(modes), None) => of_modes(ports, modes, defaults),
         (None, Some(matrices)) => of_matrices(ports, matrices, defaults),
@@ -98,12 +98,12 @@ pub fn structure(
     structure.filter(|_| defaults.errors.len() == known_errors)
 }
 
-/// The ports, at most as many as are taken.
-fn check_ports<'a>(ports: Option<&'a [PortInput]>, defaults: &mut Defaults) -> &'a [PortInput] {
+/// The ports, at most as many as are taken; `None` without any.
+fn check_ports<'a>(ports: Option<&'a [PortInput]>, defaults: &mut Defaults) -> Option<&'a [PortInput]> {
     let pointer = format!("{POINTER}/ports");
     let Some(ports) = ports else {
         defaults.refuse(pointer, "required with `modes` or `matrices`: places at which something may act");
-        return &[];
+        return None;
     };
     if !(1..=MAX_PORTS).contains(&ports.len()) {
         defaults.refuse(pointer, format!("{} ports: must be from 1 to {MAX_PORTS}", ports.len()));
@@ -112,13 +112,15 @@ fn check_ports<'a>(ports: Option<&'a [PortInput]>, defaults: &mut Defaults) -> &
     for (index, port) in ports.iter().enumerate() {
         defaults.check_of_rotor(&format!("{POINTER}/ports/{index}/at_mm"), port.at_mm);
     }
-    ports
+    (!ports.is_empty()).then_some(ports)
 }
 
 fn of_modes(ports: &[PortInput], inputs: &mut [ModeInput], defaults: &mut Defaults) -> Option<Structure> {
-    check_count(inputs.len(), "modes", format!("{POINTER}/modes"), defaults);
+    if !check_count(inputs.len(), "modes", format!("{POINTER}/modes"), defaults) {
+        return None;
+    }
     let mut modes = Vec::new();
-    for (index, input) in inputs.iter_mut().enumerate().take(MAX_COORDINATES) {
+    for (index, input) in inputs.iter_mut().enumerate() {
         modes.push(input.resolve(ports, &format!("{POINTER}/modes/{index}"), defaults));
     }
     for (index, port) in ports.iter().enumerate() {
@@ -168,13 +170,7 @@ impl ModeInput {
 
 fn unknown_port(name: &str, ports: &[PortInput]) -> String {
     let shown: String = name.chars().take(32).collect();
-    match ports {
-        [] => format!("unknown port `{shown}`"),
-        ports => format!(
-            "unknown port `{shown}`; ports are {}",
-            listed(ports.iter().map(|port| port.name.as_str()).collect())
-        ),
-    }
+    format!("unknown port `{shown}`; ports are {}", listed(ports.iter().map(|port| port.name.as_str())))
 }
 
 fn of_matrices(ports: &[PortInput], input: &mut MatricesInput, defaults: &mut Defaults) -> Option<Structure> {
