@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Housing bodies, mounts, seats and sensors on bodies of rotor and machine jobs, against closed forms, limits and each other. With a URL as argument
-the requests go there."""
+"""Housing bodies, mounts, seats, imported structures and sensors on them, of rotor and machine jobs, against closed forms, limits and each other.
+With a URL as argument the requests go there."""
 
+import json
 import math
 import os
+import re
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
@@ -123,12 +125,119 @@ def case_stiff_seat_is_the_ground_in_time(running):
     verdict(abs(levels[1] / levels[0] - 1) < 0.01, f"a seat of 10⁶ N/µm is the ground: {levels} µm")
 
 
+PORT = {"name": "head", "at_mm": 150}
+MASSES = [8, 8, 8, 0.05, 0.05]
+STIFFNESS = [50e6, 20e6, 50e6, 20e3, 20e3]
+DAMPING = [300, 300, 300, 0, 0]
+
+
+def diagonal(values):
+    return [[value if row == column else 0 for column in range(len(values))] for row, value in enumerate(values)]
+
+
+def as_matrices(ports=None, **fields):
+    """The head on its mount as matrices."""
+    names = [f"head.{name}" for name in ("x", "y", "z", "about_y", "about_z")]
+    matrices = {"coordinates": names, "mass": diagonal(MASSES), "damping": diagonal(DAMPING), "stiffness": diagonal(STIFFNESS)}
+    return {"ports": [PORT] if ports is None else ports, "matrices": matrices | fields}
+
+
+def as_modes(first=None, **fields):
+    """The head on its mount as modes."""
+    modes = []
+    for row, (mass, stiffness, damping) in enumerate(zip(MASSES, STIFFNESS, DAMPING)):
+        shape = [float(row == other) for other in range(5)]
+        modes.append({"frequency_hz": math.sqrt(stiffness / mass) / (2 * math.pi), "damping_ratio": damping / (2 * math.sqrt(stiffness * mass)),
+                      "mass_kg": mass, "shape": {"head": shape}})
+    return {"ports": [PORT], "modes": [modes[0] | (first or {}), *modes[1:]]} | fields
+
+
+def case_imported_structures_are_the_body(running):
+    # The structure has no weight, so that the body has none either.
+    weightless = {"gravity_m_s2": 0}
+    body = rotor(running, in_head(**weightless))
+    for name, housing in (("matrices", as_matrices()), ("modes", as_modes())):
+        found = rotor(running, in_head(housing=housing, **weightless))
+        pairs = list(zip(frequencies(body), frequencies(found)))
+        worst = max((abs(one / other - 1) for one, other in pairs), default=math.inf)
+        verdict(len(pairs) == 12 and worst < 1e-9, f"{name} of a body change its natural frequencies by {worst:.1e}")
+        for one, other in zip(body.get("sensors", []), found.get("sensors", [])):
+            worst = max(abs(a - b) for a, b in zip(one["displacement_um"], other["displacement_um"])) / max(one["displacement_um"])
+            verdict(worst < 1e-8, f"{name} of a body change the response of {one['name']} by {worst:.1e}")
+        verdict([port["name"] for port in found.get("bodies", [])] == ["head"], f"the port of {name} has an answer like a body")
+    levels = [machine(running, in_head(housing=housing, **weightless), step_us=5).get("channels", {})
+              for housing in ({"bodies": [HEAD], "mounts": [MOUNT]}, as_matrices())]
+    common = [name for name in levels[0] if name in levels[1]]
+    worst = max((abs(20 * math.log10(levels[0][name]["rms"] / levels[1][name]["rms"])) for name in common), default=math.inf)
+    verdict(len(common) == len(levels[0]) > 10 and worst < 1e-5, f"matrices of a body change levels in time by {worst:.1e} dB")
+
+
+def case_example_of_the_guide_runs(running):
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+    with open(os.path.join(root, "docs", "how-to", "simulate-a-shaft.md"), encoding="utf-8") as file:
+        section = file.read().split("### An imported structure")[1]
+    housing = json.loads("{" + re.search(r"```json\n(.*?)```", section, re.DOTALL)[1] + "}")["housing"]
+    scene = spindle({"on": "front"}, {"on": "rear"}, housing)
+    found = rotor(running, scene)
+    verdict([port["name"] for port in found.get("bodies", [])] == ["front", "rear"], "the example of the guide has two ports")
+    seen = machine(running, scene, settle_s=0.02, duration_s=0.05).get("channels", {})
+    verdict("front.y.acceleration" in seen and "rear.z.displacement" in seen, "the ports of the example have channels in time")
+
+
 def case_refusals(running):
     def pointers(scene, kind="rotor"):
         status, _, answer = running.request("POST", "/v1/jobs", {"kind": kind, "scene": scene})
         return [error["pointer"] for error in answer.get("errors", [])] if status == 422 else [f"status {status}"]
 
     at, ring = "/scene/housing", "/scene/bearings/0/outer_ring"
+    matrices, modes = f"{at}/matrices", f"{at}/modes"
+
+    def changed(values, row, column, value):
+        rows = diagonal(values)
+        rows[row][column] = value
+        return rows
+
+    imported = {
+        "without anything": ({}, f"{at}/bodies"),
+        "with ports alone": ({"ports": [PORT]}, f"{at}/ports"),
+        "with matrices without ports": ({"matrices": as_matrices()["matrices"]}, f"{at}/ports"),
+        "with modes and matrices": (as_modes() | as_matrices(), matrices),
+        "with a port of the name of a body": (as_modes() | {"bodies": [HEAD], "mounts": [MOUNT]}, f"{at}/ports/0/name"),
+        "with a port far away": (as_matrices(ports=[PORT | {"at_mm": 1e9}]), f"{at}/ports/0/at_mm"),
+        "with a port of the name of a bearing": (as_matrices(ports=[PORT, {"name": "A", "at_mm": 1}],
+                                                             coordinates=["head.x", "head.y", "head.z", "A.y", "A.z"]), f"{at}/ports/1/name"),
+        "with a port that nothing moves": (as_matrices(ports=[PORT, {"name": "foot", "at_mm": 1}]), f"{at}/ports/1"),
+        "with a coordinate twice": (as_matrices(coordinates=["head.x", "head.y", "head.z", "head.y", "inner"]), f"{matrices}/coordinates/3"),
+        "with a coordinate of no port": (as_matrices(coordinates=["head.x", "head.y", "head.z", "foot.y", "inner"]), f"{matrices}/coordinates/3"),
+        "with an unknown displacement": (as_matrices(coordinates=["head.x", "head.y", "head.z", "head.roll", "inner"]), f"{matrices}/coordinates/3"),
+        "with too many coordinates": (as_matrices(coordinates=[f"q{k}" for k in range(61)]), f"{matrices}/coordinates"),
+        "with too few rows": (as_matrices(mass=diagonal(MASSES)[:4]), f"{matrices}/mass"),
+        "with a short row": (as_matrices(stiffness=[[1], *diagonal(STIFFNESS)[1:]]), f"{matrices}/stiffness/0"),
+        "with an entry beyond its limits": (as_matrices(stiffness=changed(STIFFNESS, 1, 1, 1e14)), f"{matrices}/stiffness/1/1"),
+        "that is not symmetric": (as_matrices(stiffness=changed(STIFFNESS, 2, 1, 1e5)), f"{matrices}/stiffness/2/1"),
+        "without mass": (as_matrices(mass=changed(MASSES, 3, 3, 0)), f"{matrices}/mass/3/3"),
+        "whose mass is not definite": (as_matrices(mass=[[8, 8, 0, 0, 0], [8, 8, 0, 0, 0], *diagonal(MASSES)[2:]]), f"{matrices}/mass"),
+        "whose stiffness is negative": (as_matrices(stiffness=changed(STIFFNESS, 0, 0, -1)), f"{matrices}/stiffness/0/0"),
+        "whose stiffness is not semi-definite": (as_matrices(stiffness=[[1e7, 2e7, 0, 0, 0], [2e7, 1e7, 0, 0, 0], *diagonal(STIFFNESS)[2:]]),
+                                                 f"{matrices}/stiffness"),
+        "whose damping drives": (as_matrices(damping=[[1, 2, 0, 0, 0], [2, 1, 0, 0, 0], *diagonal(DAMPING)[2:]]), f"{matrices}/damping"),
+        "that vibrates too fast": (as_matrices(mass=changed(MASSES, 0, 0, 1e-9)), f"{matrices}/stiffness"),
+        "that nothing holds along y": (as_matrices(stiffness=changed(STIFFNESS, 1, 1, 0)), f"{at}/ports/0"),
+        "with a free mode": (as_modes({"frequency_hz": 0}), f"{at}/ports/0"),
+        "without modes": (as_modes(modes=[]), f"{modes}"),
+        "with a mode without mass": (as_modes({"mass_kg": 0}), f"{modes}/0/mass_kg"),
+        "with a mode damped too much": (as_modes({"damping_ratio": 0.9}), f"{modes}/0/damping_ratio"),
+        "with a mode too fast": (as_modes({"frequency_hz": 2e6}), f"{modes}/0/frequency_hz"),
+        "with a shape of an unknown port": (as_modes({"shape": {"head": [1, 0, 0, 0, 0], "foot": [1, 0, 0, 0, 0]}}), f"{modes}/0/shape/foot"),
+        "with a shape beyond its limits": (as_modes({"shape": {"head": [1e7, 0, 0, 0, 0]}}), f"{modes}/0/shape/head/0"),
+        "with a short shape": (as_modes({"shape": {"head": [1, 0, 0, 0]}}), f"{modes}/0/shape/head"),
+    }
+    for name, (housing, pointer) in imported.items():
+        on = {"on": "head"} if "ports" in housing else {}
+        for kind in ("rotor", "machine"):
+            found = pointers(spindle(on, on) | {"housing": housing}, kind)
+            verdict(found == [pointer], f"a {kind} with an imported structure {name} is refused at {found}")
+
     def housed(body=None, mount=None, **fields):
         return spindle({"on": "head"}, {"on": "head"}, {"bodies": [HEAD | (body or {})], "mounts": [MOUNT | (mount or {})]}, **fields)
 

@@ -135,5 +135,31 @@ def case_argument_of_the_tables(running):
     verdict(names == {2: {"frequency"}, 3: {"speed"}}, f"tables over {names[2]} for ROSS 2, over {names[3]} for ROSS 3")
 
 
+def bearings():
+    return [{"name": name, "bearing": "6205", "at_mm": at, "faces": faces} for name, at, faces in (("A", 40, "+x"), ("B", 260, "-x"))]
+
+
+def case_turning_outer_rings(running):
+    """Tables of the bearings are those of the result, which depend on the speed of the outer rings."""
+    def tables(outer):
+        scene = MIDDLE["scene"] | {"supports": [], "bearings": bearings(),
+                                   "operation": {"speed_rpm": 12000, "outer_speed_rpm": outer, "radial_load_y_n": 500}}
+        job = MIDDLE | {"scene": scene}
+        listed = [json.loads(text) for text in re.findall(r"kxx=(\[[^]]*\])", script_of(running, job, 2))]
+        ours = [[k[1][1] for k in support["k"]] for support in result(running, job, "rotor")["model"]["supports"]]
+        verdict(len(listed) == 2 and listed == ours, f"tables of bearings with outer rings at {outer} r/min are those of the result")
+        return listed
+
+    verdict(tables(0) != tables(12000), "tables of bearings depend on the speed of the outer rings")
+
+
+def case_rigid_spindles_have_no_script(running):
+    job = {"kind": "rotor", "scene": {"bearings": bearings(), "operation": {"speed_rpm": 6000, "radial_load_y_n": 500}}}
+    path, _ = running.submit(job)
+    running.ended(path)
+    status, _, answer = running.request("GET", f"{path}/rotor.py")
+    verdict(status == 400 and "rigid spindle" in answer.get("detail", ""), f"a rigid spindle has no script: {status} {answer.get('detail')}")
+
+
 if __name__ == "__main__":
     run_cases(globals())

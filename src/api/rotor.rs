@@ -104,7 +104,8 @@ pub enum RossVersionName {
 
 /// Get the rotor as a script for ROSS
 ///
-/// A Python script that builds the same elements, discs and supports with ross-rotordynamics. Its axes (x, y, z) are (y, z, x) here.
+/// A Python script that builds the same elements, discs and supports with ross-rotordynamics. Its axes (x, y, z) are (y, z, x) here. A rigid
+/// spindle has none: 400.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/rotor.py", tag = openapi::RESULTS, operation_id = "getRotorScript",
     params(("id" = Uuid, Path, description = "The job, of kind `rotor`"), RossQuery),
@@ -125,6 +126,10 @@ pub async fn ross_script(
     let stored = app.jobs.report(&owner, id, JobKind::Rotor).await?;
     formatted(move || {
         let answer = read::<RotorAnswer>(&stored)?;
+        if answer.model.is_rigid_spindle() {
+            let detail = "a rigid spindle has no script, because ROSS has no rigid shaft: give the scene a `shaft`";
+            return Err(ApiError::BadRequest(detail.into()));
+        }
         Ok(([(CONTENT_TYPE, PYTHON)], script(&answer.model, version)).into_response())
     })
     .await

@@ -12,7 +12,7 @@ use super::failure::{DID_NOT_CONVERGE, RunFailure};
 use super::rotor_model::RotorModelAnswer;
 use crate::contract::job::rotor::RotorJob;
 use crate::contract::json::units::{DEG, MM, MRAD, RPM, UM};
-use crate::contract::scene::housing::BodyInput;
+use crate::contract::scene::housing::PartInput;
 use crate::contract::scene::rotor_scene::SensorInput;
 
 /// Result of a rotor job. Phases are those of cos(Ωt + phase), t = 0 where the shaft's angle is 0.
@@ -41,7 +41,7 @@ pub struct RotorAnswer {
     /// Forces of the bodies on each of `housing.mounts`, in the order of the request; absent without mounts.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub mounts: Vec<SupportForcesAnswer>,
-    /// The bodies of the housing; absent without housing.
+    /// The bodies and then the ports of the housing; absent without housing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<RotorBodyAnswer>,
     /// The sensors; absent without sensors.
@@ -138,17 +138,17 @@ pub struct ShapeAnswer {
     pub z: Vec<f64>,
     /// Phase along Z [°].
     pub z_phase_deg: Vec<f64>,
-    /// Motion of the bodies of the housing in the same scale; absent without housing.
+    /// Motion of the bodies and ports of the housing in the same scale; absent without housing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bodies: Vec<BodyShapeAnswer>,
 }
 
-/// Motion of a housing body in a natural motion.
+/// Motion of a body or port of the housing in a natural motion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct BodyShapeAnswer {
     /// Name.
     pub name: String,
-    /// Amplitudes of the mass centre along x, y and z [-].
+    /// Amplitudes of the mass centre, or of the port, along x, y and z [-].
     pub amplitude: [f64; 3],
     /// Their phases [°].
     pub phase_deg: [f64; 3],
@@ -158,14 +158,14 @@ pub struct BodyShapeAnswer {
     pub tilt_phase_deg: [f64; 2],
 }
 
-/// A housing body: its static place, and its response to unbalance, with a value for each speed.
+/// A body or port of the housing: its static place, and its response to unbalance, with a value for each speed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RotorBodyAnswer {
     /// Name.
     pub name: String,
-    /// Place of its mass centre along the shaft [mm].
+    /// Place of its mass centre, or of the port, along the shaft [mm].
     pub at_mm: f64,
-    /// Static displacement of the mass centre along x, y and z [µm].
+    /// Static displacement along x, y and z [µm].
     pub static_um: [f64; 3],
     /// Static tilt about y and z [mrad].
     pub static_tilt_mrad: [f64; 2],
@@ -326,18 +326,18 @@ fn forces_answer(support: &SupportForces) -> SupportForcesAnswer {
     }
 }
 
-/// The bodies of the request.
-fn bodies_of(job: &RotorJob) -> impl Iterator<Item = &BodyInput> {
-    job.input.scene.housing.iter().flat_map(|housing| &housing.bodies)
+/// Bodies and ports of the request.
+fn parts_of(job: &RotorJob) -> impl Iterator<Item = PartInput<'_>> {
+    job.input.scene.housing.iter().flat_map(|housing| housing.parts())
 }
 
 fn bodies(job: &RotorJob, result: &RotorResult) -> Vec<RotorBodyAnswer> {
-    let of = |(body, moved): (&BodyInput, &BodyResult)| {
+    let of = |(part, moved): (PartInput<'_>, &BodyResult)| {
         let amplitude = |axis: usize| moved.response.iter().map(|value| UM.to_user(value[axis].norm())).collect();
         let phase = |axis: usize| moved.response.iter().map(|value| phase_deg(value[axis])).collect();
         RotorBodyAnswer {
-            name: body.name.clone(),
-            at_mm: body.at_mm,
+            name: part.name.to_owned(),
+            at_mm: part.at_mm,
             static_um: [0, 1, 2].map(|axis| UM.to_user(moved.at_rest[axis])),
             static_tilt_mrad: [3, 4].map(|axis| MRAD.to_user(moved.at_rest[axis])),
             x_um: amplitude(0),
@@ -348,7 +348,7 @@ fn bodies(job: &RotorJob, result: &RotorResult) -> Vec<RotorBodyAnswer> {
             z_phase_deg: phase(2),
         }
     };
-    bodies_of(job).zip(&result.bodies).map(of).collect()
+    parts_of(job).zip(&result.bodies).map(of).collect()
 }
 
 fn sensors(job: &RotorJob, result: &RotorResult) -> Vec<RotorSensorAnswer> {
@@ -436,8 +436,8 @@ fn longest_um(displacement: &[Complex<f64>; 2]) -> f64 {
 }
 
 fn shape_answer(job: &RotorJob, Mode { shape, bodies, .. }: &Mode) -> ShapeAnswer {
-    let of_body = |(body, moved): (&BodyInput, &[Complex<f64>; 5])| BodyShapeAnswer {
-        name: body.name.clone(),
+    let of_body = |(part, moved): (PartInput<'_>, &[Complex<f64>; 5])| BodyShapeAnswer {
+        name: part.name.to_owned(),
         amplitude: [0, 1, 2].map(|axis| moved[axis].norm()),
         phase_deg: [0, 1, 2].map(|axis| phase_deg(moved[axis])),
         tilt_per_m: [3, 4].map(|axis| moved[axis].norm()),
@@ -451,7 +451,7 @@ fn shape_answer(job: &RotorJob, Mode { shape, bodies, .. }: &Mode) -> ShapeAnswe
         y_phase_deg: phase(1),
         z: amplitude(2),
         z_phase_deg: phase(2),
-        bodies: bodies_of(job).zip(bodies).map(of_body).collect(),
+        bodies: parts_of(job).zip(bodies).map(of_body).collect(),
     }
 }
 

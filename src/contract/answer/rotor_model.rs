@@ -16,7 +16,7 @@ pub struct RotorModelAnswer {
     pub elastic_modulus_pa: f64,
     /// Poisson's ratio [-].
     pub poisson_ratio: f64,
-    /// Density [kg/m³].
+    /// Density [kg/m³]; 0 of a rigid spindle, whose mass is a disc and whose element is its outline.
     pub density_kg_m3: f64,
     /// Damping ratio of the free modes of the shaft [-].
     pub damping_ratio: f64,
@@ -86,6 +86,11 @@ pub struct ModelSupportAnswer {
 }
 
 impl RotorModelAnswer {
+    /// Whether the shaft is a rigid spindle: every shaft of a request has mass.
+    pub fn is_rigid_spindle(&self) -> bool {
+        self.density_kg_m3 == 0.0
+    }
+
     /// The model of a job on the nodes of its result.
     pub fn of(job: &RotorJob, result: &RotorResult) -> Self {
         let rotor = &job.rotor;

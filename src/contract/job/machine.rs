@@ -175,7 +175,8 @@ pub(super) fn machine(
         bearings.push(MachineBearing { name: input.name.clone(), scene: scene.clone(), start_azimuth: azimuth });
     }
     let rotor = rotor.clone().at_speeds(RingSpeeds { inner: speed.at(0.0).1, outer: outer_speed.at(0.0).1 });
-    let bodies = scene.housing.iter().flat_map(|housing| &housing.bodies).map(|body| body.name.clone()).collect();
+    let parts = scene.housing.iter().flat_map(|housing| housing.parts());
+    let bodies = parts.map(|part| part.name.to_owned()).collect();
     let (speed, outer_speed, sensors) = (speed.clone(), outer_speed.clone(), sensors.clone());
     let machine = Machine { rotor, bearings, speed, outer_speed, sensors, bodies };
     if MachineChannel::all(&machine).is_empty() {

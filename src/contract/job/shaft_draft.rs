@@ -8,6 +8,7 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::typed::typed_with_errors;
 use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::housing::PartInput;
 use crate::contract::scene::rotor_scene::{ResolvedRotor, RotorSceneInput, refuse_unsupported};
 use raceway_core::rotor::restraint::{FreeMotion, Owner, free_motion};
 
@@ -65,15 +66,21 @@ fn refuse_free_motion(resolved: &ResolvedRotor, scene: &RotorSceneInput, default
     match free_motion(&resolved.rotor) {
         None => {}
         Some(FreeMotion::Shaft) => defaults.refuse("/scene/supports", NOT_RESTRAINED),
-        Some(FreeMotion::Beside(Owner::Body(index), displacement)) => {
-            let name = scene.housing.iter().flat_map(|housing| &housing.bodies).nth(index).map(|body| &body.name);
-            let (name, way) = (name.map_or("", String::as_str), DISPLACEMENTS[displacement]);
+        Some(FreeMotion::InsideStructure) => {
+            let imported = scene.housing.as_ref().is_some_and(|housing| housing.modes.is_some());
+            let pointer = if imported { "/scene/housing/modes" } else { "/scene/housing/matrices/stiffness" };
+            defaults.refuse(pointer, "a motion that moves no port has no stiffness: leave it out");
+        }
+        Some(FreeMotion::Beside(Owner::Part(index), displacement)) => {
+            let parts = scene.housing.iter().flat_map(|housing| housing.parts());
+            let Some(PartInput { pointer, name, .. }) = parts.into_iter().nth(index) else { return };
+            let way = DISPLACEMENTS[displacement];
             let remedy = match displacement {
                 0..3 => "give one of its mounts `stiffness_n_per_um` there",
                 _ => "give one of its mounts `tilt_n_m_per_mrad`, or two mounts at different places",
             };
             let detail = format!("nothing restrains `{name}` {way}: {remedy}");
-            defaults.refuse(format!("/scene/housing/bodies/{index}"), detail);
+            defaults.refuse(pointer, detail);
         }
         Some(FreeMotion::Beside(Owner::OuterRing(index), _)) => {
             let detail = "the shaft and this ring slide together along x: give one bearing another seat, or this one `spring_n_per_um`";

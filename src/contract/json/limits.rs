@@ -1,5 +1,6 @@
 //! The limits of each field, in the user's units: those of a scene are defined in `physics`, those of a job here.
 
+use raceway_core::physics::frame::structure::HIGHEST_FREQUENCY;
 use raceway_core::physics::limits::limits_of;
 
 use super::problem::FieldError;
@@ -48,7 +49,7 @@ const OF_A_JOB: [FieldLimits; 13] = [
 ];
 
 /// Limits of fields of jobs of shafts, without indices of lists.
-const OF_A_ROTOR: [FieldLimits; 74] = [
+const OF_A_ROTOR: [FieldLimits; 78] = [
     from("/speeds_rpm", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/from", 0.0, 500_000.0, "r/min"),
     from("/speeds_rpm/to", 0.0, 500_000.0, "r/min"),
@@ -116,6 +117,10 @@ const OF_A_ROTOR: [FieldLimits; 74] = [
     from("/scene/housing/mounts/damping_n_s_per_m", 0.0, 1e9, "N·s/m"),
     from("/scene/housing/mounts/tilt_n_m_per_mrad", 0.0, 1e9, "N·m/mrad"),
     from("/scene/housing/mounts/tilt_damping_n_m_s_per_rad", 0.0, 1e9, "N·m·s/rad"),
+    from("/scene/housing/ports/at_mm", -4e6, 4e6, "mm"),
+    from("/scene/housing/modes/frequency_hz", 0.0, HIGHEST_FREQUENCY, "Hz"),
+    from("/scene/housing/modes/damping_ratio", 0.0, 0.5, ""),
+    from("/scene/housing/modes/mass_kg", 1e-12, 1e12, "kg"),
     from("/scene/preloads/force_n", 0.0, 1e6, "N"),
     from("/scene/preloads/offset_um", -500.0, 500.0, "µm"),
     from("/scene/supports/at_mm", 0.0, 4e6, "mm"),

@@ -1,13 +1,15 @@
-//! The housing of a shaft: rigid bodies on mounts.
+//! The housing of a shaft: rigid bodies on mounts, and a structure reduced to ports.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::imported::{MatricesInput, ModeInput, PortInput, structure};
 use super::names::check_body_name;
 use super::springs::{SpringFields, springs};
 use crate::contract::json::defaults::Defaults;
+use crate::contract::json::limits;
 use crate::contract::json::numbers::significant;
-use crate::contract::json::shapes::{list, optional_list};
+use crate::contract::json::shapes::{optional_list, optional_object};
 use crate::contract::json::units::MM;
 use raceway_core::physics::frame::housing::{Body, Housing, Mount};
 
@@ -17,18 +19,31 @@ const MAX_MOUNTS: usize = 16;
 /// Density of the cube that gives the default inertia [kg/m³].
 const STEEL: f64 = 7850.0;
 
-/// Rigid bodies that hold bearings and supports, on springs. Each moves along x, y and z and tilts about y and z; its roll is held.
+/// What holds bearings and supports: rigid `bodies` on `mounts`, and a structure that another program has reduced to `ports`, as `modes` or `matrices`.
+/// A body moves along x, y and z and tilts about y and z; its roll is held. A port moves in the same way.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HousingInput {
-    /// Bodies.
-    #[serde(deserialize_with = "list")]
-    #[schema(min_items = 1, max_items = 8)]
-    pub bodies: Vec<BodyInput>,
-    /// Springs between bodies and the ground. Default: none.
+    /// Bodies. Required without `ports`.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, min_items = 1, max_items = 8)]
+    pub bodies: Option<Vec<BodyInput>>,
+    /// Springs between bodies, ports and the ground. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
     pub mounts: Option<Vec<MountInput>>,
+    /// Places of the imported structure, which `on`, `relative_to` and mounts name like bodies. Required with `modes` or `matrices`. Default: none.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, min_items = 1, max_items = 16)]
+    pub ports: Option<Vec<PortInput>>,
+    /// Natural modes of the imported structure. Either these or `matrices`.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
+    #[schema(nullable = false, min_items = 1, max_items = 60)]
+    pub modes: Option<Vec<ModeInput>>,
+    /// Reduced matrices of the imported structure.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub matrices: Option<MatricesInput>,
 }
 
 /// A rigid body, whose mass centre lies on the axis of the shaft. Its mass contains the outer rings that it holds rigidly.
@@ -50,18 +65,18 @@ pub struct BodyInput {
     pub inertia_kg_m2: Option<[f64; 3]>,
 }
 
-/// A spring and a dashpot between a body and the ground, or another body.
+/// A spring and a dashpot between a body and the ground, or another body. Ports count as bodies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MountInput {
-    /// Name of the body.
+    /// Name of the body or port.
     #[schema(max_length = 32, example = "head")]
     pub body: String,
-    /// Name of the other body. Default: the ground.
+    /// Name of the other body or port. Default: the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32)]
     pub to: Option<String>,
-    /// Place along the shaft [mm]. Default: that of the mass centre of the body.
+    /// Place along the shaft [mm]. Default: that of the mass centre of the body, or of the port.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 150.0)]
     pub at_mm: Option<f64>,
@@ -86,37 +101,68 @@ pub struct MountInput {
 impl HousingInput {
     /// The housing in SI. Errors are noted in `defaults`.
     pub fn resolve(&mut self, defaults: &mut Defaults) -> Housing {
-        let count = self.bodies.len();
-        if count == 0 || count > MAX_BODIES {
+        let has_structure = self.ports.is_some() || self.modes.is_some() || self.matrices.is_some();
+        if self.bodies.is_none() && !has_structure {
+            defaults.refuse(format!("{POINTER}/bodies"), "required, or `ports` of an imported structure");
+        }
+        let count = self.bodies.as_ref().map(Vec::len);
+        if let Some(count) = count.filter(|count| !(1..=MAX_BODIES).contains(count)) {
             defaults.refuse(format!("{POINTER}/bodies"), format!("{count} bodies: must be from 1 to {MAX_BODIES}"));
         }
-        let mut bodies = Vec::with_capacity(count);
-        let names = self.bodies.iter().map(|body| body.name.clone()).collect::<Vec<_>>();
-        for (index, body) in self.bodies.iter_mut().enumerate().take(MAX_BODIES) {
-            let at = format!("{POINTER}/bodies/{index}");
-            check_body_name(&body.name, defaults, &at);
-            if names[..index].contains(&body.name) {
-                defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another body", body.name));
-            }
-            bodies.push(body.resolve(defaults, &at));
-        }
+        self.check_names(defaults);
+        let bodies = self.bodies.iter_mut().flatten().enumerate().take(MAX_BODIES);
+        let bodies = bodies.map(|(index, body)| body.resolve(defaults, &format!("{POINTER}/bodies/{index}"))).collect();
+        let ports = self.ports.as_deref();
+        let structure = has_structure.then(|| structure(ports, self.modes.as_mut(), self.matrices.as_mut(), defaults));
+        let (names, places): (Vec<String>, Vec<f64>) =
+            self.parts().map(|part| (part.name.to_owned(), part.at_mm)).unzip();
         let mounts = self.mounts.as_deref_mut().unwrap_or_default();
         if mounts.len() > MAX_MOUNTS {
             defaults.refuse(format!("{POINTER}/mounts"), format!("{} mounts: at most {MAX_MOUNTS}", mounts.len()));
         }
         let resolved = mounts.iter_mut().enumerate().take(MAX_MOUNTS).filter_map(|(index, mount)| {
-            mount.resolve(defaults, &format!("{POINTER}/mounts/{index}"), (&names, &bodies))
+            mount.resolve(defaults, &format!("{POINTER}/mounts/{index}"), (&names, &places))
         });
         let mounts = resolved.collect();
-        Housing { bodies, mounts }
+        Housing { bodies, mounts, structure: structure.flatten() }
     }
 
-    fn names(&self) -> impl Iterator<Item = &str> {
-        self.bodies.iter().map(|body| body.name.as_str())
+    /// Bodies and then ports, which have one range of names and numbers.
+    pub fn parts(&self) -> impl Iterator<Item = PartInput<'_>> {
+        let bodies = self.bodies.iter().flatten().enumerate().map(|(index, body)| PartInput {
+            pointer: format!("{POINTER}/bodies/{index}"),
+            name: &body.name,
+            at_mm: body.at_mm,
+        });
+        let ports = self.ports.iter().flatten().enumerate().map(|(index, port)| PartInput {
+            pointer: format!("{POINTER}/ports/{index}"),
+            name: &port.name,
+            at_mm: port.at_mm,
+        });
+        bodies.chain(ports)
+    }
+
+    fn check_names(&self, defaults: &mut Defaults) {
+        let mut known: Vec<&str> = Vec::new();
+        for PartInput { pointer, name, .. } in self.parts() {
+            check_body_name(name, defaults, &pointer);
+            if known.contains(&name) {
+                defaults.refuse(format!("{pointer}/name"), format!("`{name}` is the name of another body or port"));
+            }
+            known.push(name);
+        }
     }
 }
 
-/// The number of a body; `None` for the ground, and after an error.
+/// A body or a port.
+pub struct PartInput<'a> {
+    /// Pointer to it.
+    pub pointer: String,
+    pub name: &'a str,
+    pub at_mm: f64,
+}
+
+/// The number of a body or port; `None` for the ground, and after an error.
 pub fn body(
     housing: Option<&HousingInput>,
     name: Option<&String>,
@@ -124,7 +170,7 @@ pub fn body(
     pointer: String,
 ) -> Option<usize> {
     let name = name?;
-    let names: Vec<&str> = housing.iter().flat_map(|housing| housing.names()).collect();
+    let names: Vec<&str> = housing.iter().flat_map(|housing| housing.parts()).map(|part| part.name).collect();
     number(&names, name, defaults, pointer)
 }
 
@@ -136,7 +182,7 @@ fn number(names: &[&str], name: &str, defaults: &mut Defaults, pointer: String) 
         let known = if names.is_empty() {
             "the scene has no `housing`".to_owned()
         } else {
-            format!("bodies are {}", names.join(", "))
+            format!("bodies and ports are {}", names.join(", "))
         };
         defaults.refuse(pointer, format!("unknown body `{shown}`; {known}"));
     }
@@ -148,10 +194,11 @@ impl BodyInput {
         let is_inside = defaults.check_of_rotor(&format!("{at}/mass_kg"), self.mass_kg);
         defaults.check_of_rotor(&format!("{at}/at_mm"), self.at_mm);
         let mass = if is_inside { self.mass_kg } else { 1.0 };
-        let usual = significant(mass * (mass / STEEL).powf(2.0 / 3.0) / 6.0, 6);
         let pointer = format!("{at}/inertia_kg_m2");
+        let least = limits::of_rotor_field(&pointer).map_or(0.0, |limits| limits.lowest);
+        let usual = significant(mass * (mass / STEEL).powf(2.0 / 3.0) / 6.0, 6).max(least);
         let inertia = defaults.fill(pointer.clone(), &mut self.inertia_kg_m2, [usual; 3]);
-        for (index, value) in inertia.iter().enumerate().skip(1) {
+        for (index, value) in inertia.iter().enumerate() {
             defaults.check_of_rotor(&format!("{pointer}/{index}"), *value);
         }
         Body { at: MM.to_si(self.at_mm), mass, inertia: [inertia[1], inertia[2]] }
@@ -160,14 +207,14 @@ impl BodyInput {
 
 impl MountInput {
     /// The mount; `None` after an error in its bodies.
-    fn resolve(&mut self, defaults: &mut Defaults, at: &str, (names, bodies): (&[String], &[Body])) -> Option<Mount> {
+    fn resolve(&mut self, defaults: &mut Defaults, at: &str, (names, places): (&[String], &[f64])) -> Option<Mount> {
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let body = number(&names, &self.body, defaults, format!("{at}/body"));
         let to = self.to.as_ref().map(|to| number(&names, to, defaults, format!("{at}/to")));
         if to.flatten().is_some() && to.flatten() == body {
             defaults.refuse(format!("{at}/to"), "must be another body");
         }
-        let usual = body.and_then(|body| bodies.get(body)).map_or(0.0, |body| significant(MM.to_user(body.at), 12));
+        let usual = body.and_then(|body| places.get(body)).map_or(0.0, |place| *place);
         let place = defaults.fill(format!("{at}/at_mm"), &mut self.at_mm, usual);
         defaults.check_of_rotor(&format!("{at}/at_mm"), place);
         let fields = SpringFields {
@@ -177,9 +224,9 @@ impl MountInput {
             tilt_damping: &mut self.tilt_damping_n_m_s_per_rad,
         };
         let (stiffness, damping) = springs(defaults, at, fields);
-        let body = body.filter(|body| *body < bodies.len())?;
+        let body = body?;
         let to = match to {
-            Some(to) => Some(to.filter(|to| *to < bodies.len())?),
+            Some(to) => Some(to?),
             None => None,
         };
         Some(Mount { body, to, at: MM.to_si(place), stiffness, damping })

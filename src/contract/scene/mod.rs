@@ -15,6 +15,7 @@ pub mod surfaces;
 pub mod terms;
 
 pub mod housing;
+pub mod imported;
 pub mod outer_ring;
 mod rigid_spindle;
 pub mod rotor_bearings;

@@ -23,7 +23,7 @@ pub struct OuterRingInput {
     /// Seat. Default `rigid`.
     #[schema(nullable = false)]
     pub seat: Option<OuterRingSeatName>,
-    /// Name of the housing body that holds it. Default: the ground.
+    /// Name of the body or port of the housing that holds it. Default: the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32, example = "head")]
     pub on: Option<String>,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::housing::{HousingInput, body};
+use super::housing::{HousingInput, PartInput, body};
 use super::loads::{LoadInput, LoadedBody};
 use super::names::check_name;
 use super::operation::{SPEED, SpeedInput, outer_speed};
@@ -37,7 +37,7 @@ pub struct RotorSceneInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub spindle: Option<SpindleInput>,
-    /// Bodies and mounts of the housing. Default: the ground holds everything.
+    /// Bodies and mounts of the housing, or an imported structure. Default: the ground holds everything.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub housing: Option<HousingInput>,
@@ -56,7 +56,7 @@ pub struct RotorSceneInput {
     /// Speed and loads.
     #[serde(deserialize_with = "object")]
     pub operation: RotorOperationInput,
-    /// Sensors on the shaft and on bodies of the housing. Default: none.
+    /// Sensors on the shaft and on bodies and ports of the housing. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
     pub sensors: Option<Vec<SensorInput>>,
@@ -65,18 +65,18 @@ pub struct RotorSceneInput {
     pub gravity_m_s2: Option<f64>,
 }
 
-/// A sensor on the shaft or on a body of the housing. Its channels are `sensor.NAME.displacement`, `.velocity` and `.acceleration`.
+/// A sensor on the shaft, or on a body or port of the housing. Its channels are `sensor.NAME.displacement`, `.velocity` and `.acceleration`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorInput {
     /// Name: a letter, then letters, digits, `_` or `-`, at most 32.
     #[schema(pattern = "^[A-Za-z][A-Za-z0-9_-]{0,31}$", example = "probe")]
     pub name: String,
-    /// `shaft`, or the name of a housing body that it sits on. Default `shaft`.
+    /// `shaft`, or the name of a body or port of the housing that it sits on. Default `shaft`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32, example = "shaft")]
     pub on: Option<String>,
-    /// What it measures from, at the same place: `shaft`, or the name of a housing body. Default: the ground.
+    /// What it measures from, at the same place: `shaft`, or the name of a body or port of the housing. Default: the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32, example = "head")]
     pub relative_to: Option<String>,
@@ -198,10 +198,9 @@ impl RotorSceneInput {
         }
         let bearings = self.bearings.as_mut();
         let bearings = bearings.map(|bearings| rotor_bearings::resolve(bearings, defaults, length_mm, in_housing));
-        for (index, body) in self.housing.iter().flat_map(|housing| &housing.bodies).enumerate() {
-            if self.bearings.iter().flatten().any(|bearing| bearing.name == body.name) {
-                let pointer = format!("/scene/housing/bodies/{index}/name");
-                defaults.refuse(pointer, format!("`{}` is the name of a bearing", body.name));
+        for PartInput { pointer, name, .. } in self.housing.iter().flat_map(|housing| housing.parts()) {
+            if self.bearings.iter().flatten().any(|bearing| bearing.name == name) {
+                defaults.refuse(format!("{pointer}/name"), format!("`{name}` is the name of a bearing"));
             }
         }
         let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
@@ -296,7 +295,7 @@ fn part(
 ) -> Option<Part> {
     match name {
         Some(name) if name == "shaft" => Some(Part::Shaft),
-        name => body(housing, name, defaults, pointer).map(Part::Body),
+        name => body(housing, name, defaults, pointer).map(Part::Housing),
     }
 }
 

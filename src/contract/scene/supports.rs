@@ -44,7 +44,7 @@ pub struct SupportInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
     pub matrix: Option<SupportMatrixInput>,
-    /// Name of the housing body that holds it. Default: the ground.
+    /// Name of the body or port of the housing that holds it. Default: the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32)]
     pub on: Option<String>,

@@ -21,7 +21,7 @@ pub enum MachineChannel {
     /// Spin of ball 1 about the axis of its bearing, as seen from the cage.
     BallSpin(usize),
     Sensor(usize, Motion),
-    /// Of the mass centre of a housing body.
+    /// Of the mass centre of a housing body, or of a port of the housing.
     Body(usize, Axis, Motion),
 }
 

@@ -36,7 +36,7 @@ pub struct Frame {
     pub outer: Vec<Option<OuterPort>>,
     /// Ports of the sensors, in their order, each from what it measures from.
     pub sensors: Vec<Rows>,
-    /// Ports of the mass centres of the bodies, in their order.
+    /// Ports of the mass centres of the bodies, in their order, then of an imported structure.
     pub bodies: Vec<Rows>,
     /// Constant loads, weight included.
     load: Vec<f64>,
@@ -110,7 +110,6 @@ impl Frame {
         let rows = |at: f64| Rows::of(&(system.coordinates.port(system.coordinates.mesh.node(at)) * &basis));
         let inner = rotor.bearings.iter().map(|bearing| rows(bearing.at));
         let housing = &system.coordinates.housing;
-        let bodies = rotor.housing.bodies.iter().enumerate();
         let (outer_rows, outer) = outer_rings(rotor, &system, &basis);
         let over =
             |force: Vec<f64>| (basis.transpose() * DVector::from_vec(force)).iter().copied().collect::<Vec<f64>>();
@@ -131,7 +130,7 @@ impl Frame {
             ports: inner.chain(outer_rows).collect(),
             outer,
             sensors: machine.sensors.iter().map(|sensor| Rows::of(&(sensor_rows(sensor, &system) * &basis))).collect(),
-            bodies: bodies.map(|(index, body)| Rows::of(&(housing.body(Some(index), body.at) * &basis))).collect(),
+            bodies: housing.parts().map(|rows| Rows::of(&(rows * &basis))).collect(),
             load: over(system.load(rotor).iter().copied().collect()),
             planes: planes.collect(),
             loaded: loaded(rotor, machine.speed.largest(), rows),
@@ -369,7 +368,7 @@ fn sensor_rows(sensor: &Sensor, system: &System) -> DMatrix<f64> {
     let coordinates = &system.coordinates;
     let of = |part: Part| match part {
         Part::Shaft => coordinates.port(coordinates.mesh.node(sensor.at)),
-        Part::Body(body) => coordinates.housing.body(Some(body), sensor.at),
+        Part::Housing(part) => coordinates.housing.part(Some(part), sensor.at),
     };
     match sensor.relative_to {
         None => of(sensor.on),

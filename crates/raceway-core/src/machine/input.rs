@@ -20,7 +20,7 @@ pub struct Machine {
     /// Speed of every outer ring.
     pub outer_speed: SpeedProfile,
     pub sensors: Vec<Sensor>,
-    /// Names of the bodies of the rotor's housing, in their order.
+    /// Names of the parts of the rotor's housing, in their order.
     pub bodies: Vec<String>,
 }
 

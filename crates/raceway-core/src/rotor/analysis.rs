@@ -14,7 +14,6 @@ use super::result::{
 use super::sensor::Sensor;
 use super::shape::{displacements, mode, point};
 use super::system::{Port, System};
-use crate::physics::frame::housing::Body;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PortMatrix;
 
@@ -70,7 +69,7 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         stations: rotor.places().into_iter().map(|at| of_station(&system, at, &responses)).collect(),
         supports: forces.supports,
         mounts: forces.mounts,
-        bodies: bodies(&system, rotor, &rest, &responses),
+        bodies: bodies(&system, &rest, &responses),
         sensors: request.sensors.iter().map(|sensor| of_sensor(&system, sensor, &rest, &responses)).collect(),
         bearings: bearings([&operating_system, &system], rotor, &request.speeds),
         deflection: whole.into_iter().map(|node| node.map(|value| value.re)).collect(),
@@ -132,10 +131,9 @@ fn displacement(system: &System, at: f64, response: &DVector<Complex<f64>>) -> [
     [port[1], port[2]]
 }
 
-/// Static displacements of the bodies, and their responses.
-fn bodies(system: &System, rotor: &Rotor, rest: &DVector<f64>, responses: &[DVector<Complex<f64>>]) -> Vec<BodyResult> {
-    let of_body = |(index, body): (usize, &Body)| {
-        let rows = system.coordinates.housing.body(Some(index), body.at);
+/// Static displacements of the housing's parts, and their responses.
+fn bodies(system: &System, rest: &DVector<f64>, responses: &[DVector<Complex<f64>>]) -> Vec<BodyResult> {
+    let of_part = |rows: DMatrix<f64>| {
         let at_rest = &rows * rest;
         let rows = rows.map(Complex::from);
         let response = responses.iter().map(|response| {
@@ -144,7 +142,7 @@ fn bodies(system: &System, rotor: &Rotor, rest: &DVector<f64>, responses: &[DVec
         });
         BodyResult { at_rest: std::array::from_fn(|axis| at_rest[axis]), response: response.collect() }
     };
-    rotor.housing.bodies.iter().enumerate().map(of_body).collect()
+    system.coordinates.housing.parts().map(of_part).collect()
 }
 
 /// Static displacement of a sensor, and its response.

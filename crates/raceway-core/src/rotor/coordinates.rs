@@ -1,4 +1,4 @@
-//! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes, and the rigid motions of its housing.
+//! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes, and the motions of its housing.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -54,7 +54,7 @@ impl Coordinates {
     }
 
     /// Number of coordinates of the shaft.
-    fn of_shaft(&self) -> usize {
+    pub fn of_shaft(&self) -> usize {
         self.axials() + 2 * self.laterals()
     }
 
@@ -79,11 +79,11 @@ impl Coordinates {
         self.bending.len()
     }
 
-    /// Stiffness of the shaft alone, which is diagonal [1/s²].
+    /// Stiffness of the shaft alone and of an imported structure alone, which is diagonal [1/s²].
     pub fn squares(&self) -> impl Iterator<Item = f64> {
         let axial = self.axial.iter().flat_map(|modes| &modes.squares);
         let of_shaft = axial.chain(&self.bending.squares).chain(&self.bending.squares).map(|square| square.max(0.0));
-        of_shaft.chain((self.of_shaft()..self.len()).map(|_| 0.0))
+        of_shaft.chain(self.housing.squares(self.of_shaft()))
     }
 
     /// Angular frequency of the highest true mode in a plane [rad/s]; infinite where every mode is kept, as of a rigid spindle.
@@ -137,7 +137,7 @@ impl Coordinates {
                 unit[sensor.axis] = 1.0;
                 DVector::from_vec(self.force(sensor.at, unit))
             }
-            Part::Body(body) => self.housing.body(Some(body), sensor.at).row(sensor.axis).transpose(),
+            Part::Housing(part) => self.housing.part(Some(part), sensor.at).row(sensor.axis).transpose(),
         };
         match sensor.relative_to {
             None => of(sensor.on),

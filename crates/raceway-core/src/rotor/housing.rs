@@ -1,20 +1,24 @@
-//! Coordinates of housing bodies and of outer rings that move in their seats. They stand behind those of the shaft; the mass is 1 over
-//! them.
+//! Coordinates of housing bodies, of outer rings that move in their seats, and of an imported structure. They stand behind those of the shaft;
+//! the mass is 1 over them.
 
 use nalgebra::{Complex, DMatrix, DVector};
 
 use super::input::{Rotor, RotorBearing, Seat};
+use crate::physics::frame::structure::Structure;
 use crate::physics::frame::support::PORT;
 
 /// Number of coordinates of a rigid body: along X, displacement and slope in the plane of Y, the same in the plane of Z.
 const OF_BODY: usize = 5;
 
-/// Rigid motions of bodies and outer rings.
+/// Rigid motions of bodies and outer rings, and motions of a structure. Bodies and then ports are the parts of the housing, by their number.
 #[derive(Debug, Clone)]
 pub struct HousingCoordinates {
     bodies: Vec<Solid>,
     /// Of the bearings, in their order.
     rings: Vec<OuterRing>,
+    structure: Option<Structure>,
+    /// First coordinate of the structure; all after it are its own.
+    first_of_structure: usize,
     /// Number of coordinates, those of the shaft included.
     end: usize,
 }
@@ -69,7 +73,10 @@ impl HousingCoordinates {
             Seat::Sliding { mass, .. } => OwnMotion::Along(take(1), mass),
         };
         let rings = rotor.bearings.iter().map(|bearing| OuterRing { on: bearing.on, own: own(bearing) }).collect();
-        Self { bodies, rings, end }
+        let structure = rotor.housing.structure.clone();
+        let first_of_structure = end;
+        end += structure.as_ref().map_or(0, |structure| structure.squares.len());
+        Self { bodies, rings, structure, first_of_structure, end }
     }
 
     /// Number of all coordinates, those of the shaft included.
@@ -77,28 +84,68 @@ impl HousingCoordinates {
         self.end
     }
 
-    /// Displacements x, y, z, β_y, β_z of a place of a body, a row each, of all coordinates; of the ground zeros.
-    pub fn body(&self, on: Option<usize>, at: f64) -> DMatrix<f64> {
-        on.map_or_else(|| DMatrix::zeros(PORT, self.end), |body| self.bodies[body].rows(at, self.end))
+    /// Displacements x, y, z, β_y, β_z of a place of a part, a row each, of all coordinates; of the ground zeros.
+    pub fn part(&self, on: Option<usize>, at: f64) -> DMatrix<f64> {
+        match on {
+            None => DMatrix::zeros(PORT, self.end),
+            Some(part) if part < self.bodies.len() => self.bodies[part].rows(at, self.end),
+            Some(part) => self.port(part - self.bodies.len(), at),
+        }
     }
 
-    /// Displacements of the mass centres of the bodies.
+    /// Displacements of a place that a rigid arm joins to a port of the structure.
+    fn port(&self, port: usize, at: f64) -> DMatrix<f64> {
+        let mut rows = DMatrix::zeros(PORT, self.end);
+        let Some(port) = self.structure.iter().flat_map(|structure| &structure.ports).nth(port) else { return rows };
+        let arm = at - port.at;
+        let mut own = port.rows.clone();
+        for column in 0..own.ncols() {
+            own[(1, column)] += arm * own[(4, column)];
+            own[(2, column)] -= arm * own[(3, column)];
+        }
+        rows.view_mut((0, self.first_of_structure), own.shape()).copy_from(&own);
+        rows
+    }
+
+    /// Stiffness of the structure alone, over the coordinates behind those of a number of the shaft; zero of all others [1/s²].
+    pub fn squares(&self, shaft: usize) -> impl Iterator<Item = f64> {
+        let others = std::iter::repeat_n(0.0, self.first_of_structure - shaft);
+        others.chain(self.structure.iter().flat_map(|structure| structure.squares.iter().copied()))
+    }
+
+    /// Adds the damping of the structure to a matrix over all coordinates.
+    pub fn add_damping(&self, whole: &mut DMatrix<f64>) {
+        let first = self.first_of_structure;
+        if let Some(structure) = &self.structure {
+            let mut own = whole.view_mut((first, first), structure.damping.shape());
+            own += &structure.damping;
+        }
+    }
+
+    /// Displacements of the mass centres of the bodies, and of the ports.
     pub fn displacements(&self, vector: &DVector<Complex<f64>>) -> Vec<[Complex<f64>; PORT]> {
-        let of_body = |body: &Solid| {
-            let moved = body.rows(body.at, self.end).map(Complex::from) * vector;
+        let of_part = |rows: DMatrix<f64>| {
+            let moved = rows.map(Complex::from) * vector;
             std::array::from_fn(|row| moved[row])
         };
-        self.bodies.iter().map(of_body).collect()
+        self.parts().map(of_part).collect()
+    }
+
+    /// Displacements of the mass centres of the bodies, and of the ports, of all coordinates.
+    pub fn parts(&self) -> impl Iterator<Item = DMatrix<f64>> + '_ {
+        let bodies = self.bodies.iter().map(|body| body.rows(body.at, self.end));
+        let ports = self.structure.iter().flat_map(|structure| &structure.ports).enumerate();
+        bodies.chain(ports.map(|(index, port)| self.port(index, port.at)))
     }
 
     /// Displacements of the outer ring of a bearing, as a rigid body at a place.
     pub fn outer_ring(&self, bearing: usize, at: f64) -> DMatrix<f64> {
         let OuterRing { on, own } = self.rings[bearing];
         match own {
-            OwnMotion::None => self.body(on, at),
+            OwnMotion::None => self.part(on, at),
             OwnMotion::Whole(ring) => ring.rows(at, self.end),
             OwnMotion::Along(coordinate, mass) => {
-                let mut rows = self.body(on, at);
+                let mut rows = self.part(on, at);
                 rows.row_mut(0).fill(0.0);
                 rows[(0, coordinate)] = mass.sqrt().recip();
                 rows
@@ -111,7 +158,7 @@ impl HousingCoordinates {
         let OuterRing { on, own } = self.rings[bearing];
         match own {
             OwnMotion::Whole(ring) => ring.rows(ring.at, self.end),
-            _ => self.body(on, 0.0),
+            _ => self.part(on, 0.0),
         }
     }
 
@@ -139,12 +186,22 @@ impl HousingCoordinates {
         self.solids().map(|solid| (solid.first + 1, solid.mass.sqrt()))
     }
 
+    /// Number of the bodies; ports follow.
+    pub fn bodies(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether a coordinate is one of the structure.
+    pub fn is_of_structure(&self, coordinate: usize) -> bool {
+        coordinate >= self.first_of_structure
+    }
+
     /// The body or bearing, by its number, whose motion a coordinate is, and the displacement.
     pub fn owner(&self, coordinate: usize) -> Option<(Owner, usize)> {
         let of = |solid: &Solid| coordinate.checked_sub(solid.first).filter(|place| *place < OF_BODY);
         // Slopes follow their displacements: y, β_z, z, β_y.
         let displacement = |place: usize| [0, 1, 4, 2, 3][place];
-        let bodies = self.bodies.iter().enumerate().map(|(index, body)| (Owner::Body(index), of(body)));
+        let bodies = self.bodies.iter().enumerate().map(|(index, body)| (Owner::Part(index), of(body)));
         let rings = self.rings.iter().enumerate().map(|(index, ring)| {
             let place = match &ring.own {
                 OwnMotion::None => None,
@@ -168,7 +225,8 @@ impl HousingCoordinates {
 /// What moves beside the shaft, by its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
-    Body(usize),
+    /// A part of the housing: a body or a port.
+    Part(usize),
     OuterRing(usize),
 }
 

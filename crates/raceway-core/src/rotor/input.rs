@@ -23,7 +23,7 @@ pub struct RotorBearing {
     pub mounted: Mounted,
     /// Damping of its contacts.
     pub damping: DampingFactor,
-    /// Number of the housing body that holds its outer ring; `None`: the ground.
+    /// Number of the housing's part that holds its outer ring; `None`: the ground.
     pub on: Option<usize>,
     pub seat: Seat,
 }
@@ -87,7 +87,7 @@ pub struct Rotor {
 impl Rotor {
     /// Whether something beside the shaft moves.
     pub fn has_moving_housing(&self) -> bool {
-        !self.housing.bodies.is_empty() || self.bearings.iter().any(RotorBearing::has_moving_outer_ring)
+        self.housing.moves() || self.bearings.iter().any(RotorBearing::has_moving_outer_ring)
     }
 
     /// Places of the shaft at which something acts, rising [m].

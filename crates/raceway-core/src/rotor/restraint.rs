@@ -1,4 +1,4 @@
-//! Rigid motions of shaft, housing bodies and outer rings that nothing restrains.
+//! Motions of shaft, housing and outer rings that nothing restrains.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -12,6 +12,8 @@ use crate::physics::frame::support::PORT;
 const LEAST_STIFFNESS: f64 = 1e-12;
 /// Stiffness that stands for a loaded ball bearing [N/m]; only whether it holds a displacement matters.
 const OF_BEARING: f64 = 1e8;
+/// Displacement of a port that moves, relative to the largest that its coordinates could give it [-]: below it, rounding decides.
+const LEAST_MOTION: f64 = 1e-9;
 /// Share of the largest displacement from which on a body is named rather than the shaft [-].
 const NAMED: f64 = 0.1;
 
@@ -19,11 +21,13 @@ const NAMED: f64 = 0.1;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FreeMotion {
     Shaft,
-    /// A body or an outer ring: displacement x, y, z, β_y or β_z.
+    /// A part of the housing or an outer ring: displacement x, y, z, β_y or β_z.
     Beside(Owner, usize),
+    /// An imported structure moves, but none of its ports.
+    InsideStructure,
 }
 
-/// A rigid motion without stiffness; `None` where springs and bearings may hold all. A ball bearing counts as if it held every displacement
+/// A motion without stiffness; `None` where springs and bearings may hold all. A ball bearing counts as if it held every displacement
 /// between its rings: whether it does shows at the operating point.
 pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
     let (length, centre) = (rotor.shaft.length(), rotor.shaft.mass_centre());
@@ -37,7 +41,8 @@ pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
         (rows[(3, 3)], rows[(4, 4)]) = (1.0 / length, 1.0 / length);
         rows
     };
-    let mut stiffness = DMatrix::<f64>::zeros(housing.end(), housing.end());
+    let own = std::iter::repeat_n(0.0, PORT).chain(housing.squares(PORT));
+    let mut stiffness = DMatrix::<f64>::from_diagonal(&DVector::from_iterator(housing.end(), own));
     for spring in springs(rotor, shaft, &housing) {
         let of_port = DMatrix::from_fn(PORT, PORT, |row, column| spring.stiffness[row][column]);
         stiffness += spring.rows.transpose() * of_port * &spring.rows;
@@ -61,11 +66,35 @@ pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
     }
     let motion = eigen.eigenvectors.column(least);
     let largest = motion.amax();
-    let named = (0..size).filter(|k| motion[*k].abs() > NAMED * largest);
-    let beside = named.filter_map(|k| housing.owner(k + first));
-    Some(
-        beside
-            .min_by_key(|(owner, _)| !matches!(owner, Owner::Body(_)))
-            .map_or(FreeMotion::Shaft, |(owner, displacement)| FreeMotion::Beside(owner, displacement)),
-    )
+    let named: Vec<usize> = (0..size).filter(|k| motion[*k].abs() > NAMED * largest).map(|k| k + first).collect();
+    let beside = named.iter().filter_map(|k| housing.owner(*k));
+    let beside = beside.min_by_key(|(owner, _)| !matches!(owner, Owner::Part(_)));
+    if let Some((owner @ Owner::Part(_), displacement)) = beside {
+        return Some(FreeMotion::Beside(owner, displacement));
+    }
+    if named.iter().any(|k| housing.is_of_structure(*k)) {
+        let moved = DVector::from_fn(housing.end(), |k, _| match k.checked_sub(first) {
+            Some(k) => scales[k] * motion[k],
+            None => 0.0,
+        });
+        let port = moving_port(&housing, &moved, length);
+        return Some(port.map_or(FreeMotion::InsideStructure, |(part, displacement)| {
+            FreeMotion::Beside(Owner::Part(part), displacement)
+        }));
+    }
+    Some(beside.map_or(FreeMotion::Shaft, |(owner, displacement)| FreeMotion::Beside(owner, displacement)))
+}
+
+/// The port that moves most, by its number among the parts, and its displacement; `None` where none moves. Tilts count times a length [m].
+fn moving_port(housing: &HousingCoordinates, moved: &DVector<f64>, length: f64) -> Option<(usize, usize)> {
+    let of_port = |(part, rows): (usize, DMatrix<f64>)| {
+        let (displacements, most) = (&rows * moved, rows.amax() * moved.amax());
+        (0..PORT).map(move |row| {
+            let of_row = if row < 3 { displacements[row].abs() } else { displacements[row].abs() * length };
+            (part, row, if of_row > LEAST_MOTION * most { of_row } else { 0.0 })
+        })
+    };
+    let ports = housing.parts().enumerate().skip(housing.bodies()).flat_map(of_port);
+    let (part, row, most) = ports.max_by(|one, other| one.2.total_cmp(&other.2))?;
+    (most > 0.0).then_some((part, row))
 }

@@ -71,7 +71,7 @@ pub struct Mode {
     pub point: ModePoint,
     /// Displacements x, y, z of each node, real part times e^(λt); the largest has magnitude 1 and phase 0.
     pub shape: Vec<[Complex<f64>; 3]>,
-    /// Displacements x, y, z, β_y, β_z of the mass centre of each body by the same motion [-, rad/m].
+    /// Displacements x, y, z, β_y, β_z of each part of the housing by the same motion [-, rad/m]: of the mass centre of a body, or of a port.
     pub bodies: Vec<[Complex<f64>; PORT]>,
 }
 
@@ -94,12 +94,12 @@ pub struct StationResponse {
     pub displacement: Vec<[Complex<f64>; 2]>,
 }
 
-/// A housing body.
+/// A part of the housing: the mass centre of a body, or a port.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyResult {
     /// Static displacement x, y, z [m] and tilt about y and z [rad] at the operating speed.
     pub at_rest: [f64; PORT],
-    /// Displacements x, y and z of its mass centre by unbalance for each requested speed: real part times e^(iΩt) [m].
+    /// Displacements x, y and z by unbalance for each requested speed: real part times e^(iΩt) [m].
     pub response: Vec<[Complex<f64>; 3]>,
 }
 

@@ -1,4 +1,4 @@
-//! Sensors on the shaft and on bodies of the housing.
+//! Sensors on the shaft and on parts of the housing.
 
 /// A sensor, which measures along one direction.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,8 +17,8 @@ pub struct Sensor {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     Shaft,
-    /// A body, by its number.
-    Body(usize),
+    /// A part of the housing, by its number.
+    Housing(usize),
 }
 
 impl Sensor {

@@ -21,11 +21,11 @@ pub struct LinearSpring {
 /// Supports, mounts and seats, each in the order of the input. `shaft`: displacements of a place of the shaft over all coordinates.
 pub fn springs(rotor: &Rotor, shaft: impl Fn(f64) -> DMatrix<f64>, housing: &HousingCoordinates) -> Vec<LinearSpring> {
     let supports = rotor.supports.iter().map(|support| {
-        let rows = relative(shaft(support.at), support.on.map(|_| housing.body(support.on, support.at)));
+        let rows = relative(shaft(support.at), support.on.map(|_| housing.part(support.on, support.at)));
         LinearSpring { rows, stiffness: support.stiffness, damping: support.damping, push: 0.0 }
     });
     let mounts = rotor.housing.mounts.iter().map(|mount| {
-        let rows = housing.body(Some(mount.body), mount.at) - housing.body(mount.to, mount.at);
+        let rows = housing.part(Some(mount.body), mount.at) - housing.part(mount.to, mount.at);
         LinearSpring { rows, stiffness: mount.stiffness, damping: mount.damping, push: 0.0 }
     });
     let seats = rotor.bearings.iter().enumerate().filter_map(|(index, bearing)| seat(index, bearing, housing));
@@ -56,7 +56,7 @@ fn relative(rows: DMatrix<f64>, other: Option<DMatrix<f64>>) -> DMatrix<f64> {
 /// The spring between an outer ring and what carries it; `None` of a rigid seat.
 fn seat(index: usize, bearing: &RotorBearing, housing: &HousingCoordinates) -> Option<LinearSpring> {
     let at = bearing.outer_ring();
-    let rows = housing.outer_ring(index, at) - housing.body(bearing.on, at);
+    let rows = housing.outer_ring(index, at) - housing.part(bearing.on, at);
     match bearing.seat {
         Seat::Rigid => None,
         Seat::Elastic { stiffness, damping, .. } => Some(LinearSpring { rows, stiffness, damping, push: 0.0 }),

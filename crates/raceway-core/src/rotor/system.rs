@@ -47,7 +47,11 @@ impl System {
     pub fn of(rotor: &Rotor, mesh: Mesh, count: usize, speeds: &[f64]) -> Result<Self, RotorError> {
         let coordinates = Coordinates::of(rotor, mesh, count)?;
         let squares = DVector::from_iterator(coordinates.len(), coordinates.squares());
-        let own_damping = squares.map(|square| 2.0 * rotor.shaft.damping_ratio * square.sqrt());
+        // The structure has its own damping.
+        let own_damping = DVector::from_fn(squares.len(), |k, _| match k < coordinates.of_shaft() {
+            true => 2.0 * rotor.shaft.damping_ratio * squares[k].sqrt(),
+            false => 0.0,
+        });
         let (size, count) = (coordinates.len(), coordinates.laterals());
         let (y, z) = (coordinates.axials(), coordinates.axials() + count);
         let antisymmetric = |of_plane: &DMatrix<f64>| {
@@ -63,6 +67,7 @@ impl System {
         let shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
         let mut stiffness = DMatrix::from_diagonal(&squares);
         let mut damping = DMatrix::from_diagonal(&own_damping);
+        coordinates.housing.add_damping(&mut damping);
         let mut push = DVector::zeros(size);
         let (mut linear, mut pushing) = (Vec::new(), Vec::new());
         for spring in springs(rotor, shaft, &coordinates.housing) {

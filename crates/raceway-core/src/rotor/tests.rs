@@ -14,6 +14,7 @@ use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::material::Material;
 
 mod housing;
+mod imported;
 
 /// G = E / (2 (1 + ν)) = 81.2 GPa.
 const STEEL: Material = Material { elastic_modulus: 211e9, poisson_ratio: 211.0 / (2.0 * 81.2) - 1.0, density: 7810.0 };

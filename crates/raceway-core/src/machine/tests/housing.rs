@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::physics::frame::housing::{Body, Mount};
-use crate::physics::frame::support::diagonal;
+use crate::physics::frame::structure::{Structure, StructureMatrices};
+use crate::physics::frame::support::{PORT, diagonal};
 use crate::physics::statics::shaft::Spring;
 
 /// Both bearings in a body off their middle.
@@ -17,6 +18,7 @@ fn in_body(mut machine: Machine, stiffness: [f64; 5], damping: f64) -> Machine {
             stiffness: diagonal(stiffness),
             damping: diagonal([damping; 5]),
         }],
+        structure: None,
     };
     machine.bodies = vec!["head".to_owned()];
     machine
@@ -130,7 +132,7 @@ fn sensors_on_a_body_show_the_linear_response() {
         at: 0.2,
         axis: 1,
     };
-    let body = Part::Body(0);
+    let body = Part::Housing(0);
     machine.sensors =
         vec![sensor("on", body, None), sensor("gap", Part::Shaft, Some(body)), sensor("back", body, Some(Part::Shaft))];
     let settings = MachineSettings { settle: Some(0.1), duration: 0.1, step: None, range: RANGE, series: Vec::new() };
@@ -149,4 +151,70 @@ fn sensors_on_a_body_show_the_linear_response() {
         assert!((seen.mean / mean - 1.0).abs() < 0.01, "{found}: {} µm, static {mean} µm", seen.mean);
     }
     assert!((of("head.y.displacement").mean / (1e6 * linear.bodies[0].at_rest[1]) - 1.0).abs() < 0.01);
+}
+
+/// The body on its mount as matrices over the displacements of its mass centre.
+fn as_matrices(housing: &Housing) -> Structure {
+    let (Body { at, mass, inertia }, mount) = (housing.bodies[0], housing.mounts[0]);
+    let mut lever = DMatrix::<f64>::identity(PORT, PORT);
+    (lever[(1, 4)], lever[(2, 3)]) = (mount.at - at, at - mount.at);
+    let rows = |matrix: DMatrix<f64>| matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+    let over = |of: [[f64; PORT]; PORT]| {
+        rows(lever.transpose() * DMatrix::from_fn(PORT, PORT, |row, column| of[row][column]) * &lever)
+    };
+    let mass = diagonal([mass, mass, mass, inertia[0], inertia[1]]);
+    let matrices = StructureMatrices {
+        mass: mass.map(|row| row.to_vec()).to_vec(),
+        damping: over(mount.damping),
+        stiffness: over(mount.stiffness),
+        ports: vec![(at, std::array::from_fn(Some))],
+    };
+    Structure::of_matrices(&matrices, PORT).unwrap()
+}
+
+/// A body on a mount, given as matrices, has the same levels in the same steps. It has no weight in both.
+#[test]
+fn a_body_as_matrices_has_the_same_levels() {
+    let mut machine = in_seats(in_body(motor_spindle(), MOUNTS, 300.0));
+    machine.rotor.gravity = 0.0;
+    let mut imported = machine.clone();
+    imported.rotor.housing = Housing { structure: Some(as_matrices(&machine.rotor.housing)), ..Housing::default() };
+    let settings =
+        MachineSettings { settle: Some(0.02), duration: 0.05, step: Some(5e-6), range: RANGE, series: Vec::new() };
+    let [one, other] =
+        [&machine, &imported].map(|machine| simulate(machine, &settings, &Control::until(&|| false)).unwrap());
+    assert_eq!(one.channels.len(), other.channels.len());
+    for ((channel, one), (_, other)) in one.channels.iter().zip(&other.channels) {
+        let deviation = 20.0 * (one.rms / other.rms).log10();
+        assert!(deviation.abs() < 1e-6, "{}: {deviation:e} dB", channel.named(&machine));
+    }
+}
+
+#[test]
+fn measure_light_rings() {
+    for (stiffness, name) in [(1e6, "soft"), (1e8, "medium")] {
+        for mass in [0.06, 6e-3, 6e-4, 6e-5] {
+            let mut machine = motor_spindle();
+            for bearing in &mut machine.rotor.bearings {
+                let springs = diagonal([stiffness, stiffness, stiffness, 2e-4 * stiffness, 2e-4 * stiffness]);
+                bearing.seat =
+                    Seat::Elastic { mass, inertia: 5e-4 * mass, stiffness: springs, damping: diagonal([0.0; 5]) };
+            }
+            let (dynamics, _) = started(&machine);
+            let lambda = crate::machine::stepping::stiffness_of_step(&dynamics, 5e-6);
+            let inner = after(&machine, 1e-3, 5e-6);
+            let of = |step: f64| after(&machine, 1e-3, step);
+            let fine = of(0.625e-6);
+            let error = |step: f64| {
+                let found = of(step);
+                let pairs = found.iter().zip(&fine).flat_map(|(one, other)| (0..3).map(|k| (one[k] - other[k]).abs()));
+                pairs.fold(0.0, f64::max)
+            };
+            println!(
+                "{name} {mass:e} kg: KH {lambda:.3}, y {:.3e}, errors {:?}",
+                inner[0][1],
+                [5e-6, 2.5e-6, 1.25e-6].map(error)
+            );
+        }
+    }
 }

@@ -11,5 +11,7 @@ pub mod shaft;
 pub mod mesh;
 pub mod modes;
 
-pub mod housing;
+pub mod structure;
 pub mod support;
+
+pub mod housing;

@@ -11,7 +11,7 @@ pub type PortMatrix = [[f64; PORT]; PORT];
 pub struct Support {
     /// Place along the shaft [m].
     pub at: f64,
-    /// Number of the housing body that holds it; `None`: the ground.
+    /// Number of the housing's part that holds it; `None`: the ground.
     pub on: Option<usize>,
     pub stiffness: PortMatrix,
     pub damping: PortMatrix,

@@ -10,7 +10,7 @@ use crate::rotor::input::{RotorBearing, Seat};
 use crate::rotor::restraint::{FreeMotion, Owner, free_motion};
 use crate::simulation::input::scene::Scene;
 
-fn mount(body: usize, at: f64, stiffness: [f64; 5]) -> Mount {
+pub(super) fn mount(body: usize, at: f64, stiffness: [f64; 5]) -> Mount {
     Mount { body, to: None, at, stiffness: diagonal(stiffness), damping: diagonal([0.0; 5]) }
 }
 
@@ -32,7 +32,7 @@ fn on_ball_bearings(apart: f64) -> Rotor {
 }
 
 /// 6205 under 200 N of preload.
-fn preloaded() -> Rotor {
+pub(super) fn preloaded() -> Rotor {
     let mut rotor = on_ball_bearings(0.0);
     let pair = rotor.bearings.iter().map(|bearing| bearing.mounted.clone()).collect();
     let pair = crate::physics::statics::shaft::RigidShaft { bearings: pair }.preloaded_by_force([0, 1], 200.0).unwrap();
@@ -41,13 +41,13 @@ fn preloaded() -> Rotor {
 }
 
 /// Both bearings in one body.
-fn in_body(mut rotor: Rotor, body: Body, stiffness: [f64; 5]) -> Rotor {
+pub(super) fn in_body(mut rotor: Rotor, body: Body, stiffness: [f64; 5]) -> Rotor {
     rotor.bearings.iter_mut().for_each(|bearing| bearing.on = Some(0));
-    rotor.housing = Housing { bodies: vec![body], mounts: vec![mount(0, body.at, stiffness)] };
+    rotor.housing = Housing { bodies: vec![body], mounts: vec![mount(0, body.at, stiffness)], structure: None };
     rotor
 }
 
-fn at_rest(rotor: &Rotor, modes: usize) -> RotorResult {
+pub(super) fn at_rest(rotor: &Rotor, modes: usize) -> RotorResult {
     analysed(rotor, Elements::Auto, vec![0.0], modes)
 }
 
@@ -119,7 +119,8 @@ fn a_seat_and_a_mount_in_a_row_are_one_spring() {
     let mut other = preloaded();
     (other.bearings[0].seat, other.bearings[0].on) = (seat(4e7, 2e8), Some(0));
     let body = Body { at: 0.04, mass: 1e-6, inertia: [1e-6; 2] };
-    other.housing = Housing { bodies: vec![body], mounts: vec![mount(0, 0.04, [4e7, 4e7, 4e7, 2e8, 2e8])] };
+    other.housing =
+        Housing { bodies: vec![body], mounts: vec![mount(0, 0.04, [4e7, 4e7, 4e7, 2e8, 2e8])], structure: None };
     let [one, other] = [one, other].map(|rotor| at_rest(&rotor, 8));
     assert_close(&frequencies(&one, 0), &frequencies(&other, 0), 1e-5);
 }
@@ -178,7 +179,7 @@ fn a_mirror_image_has_mirrored_bodies() {
         rotor.bearings.iter_mut().for_each(|bearing| bearing.on = Some(0));
         let body = Body { at: at(0.1), mass: 6.0, inertia: [0.02, 0.05] };
         let held = Mount { damping: diagonal([300.0; 5]), ..mount(0, at(0.2), [3e7, 2e7, 5e7, 1e5, 2e5]) };
-        rotor.housing = Housing { bodies: vec![body], mounts: vec![held] };
+        rotor.housing = Housing { bodies: vec![body], mounts: vec![held], structure: None };
         analysed(&rotor, Elements::Auto, vec![0.0, 600.0], 10)
     };
     let [one, other] = [1.0, -1.0].map(mirrored);
@@ -201,12 +202,12 @@ fn free_motions_are_named() {
     let body = Body { at: 0.15, mass: 8.0, inertia: [0.05; 2] };
     let with = |stiffness: [f64; 5]| free_motion(&in_body(preloaded(), body, stiffness));
     assert_eq!(with([1e3, 1e3, 1e3, 1.0, 1.0]), None);
-    let moves = |displacement| Some(FreeMotion::Beside(Owner::Body(0), displacement));
+    let moves = |displacement| Some(FreeMotion::Beside(Owner::Part(0), displacement));
     assert_eq!(with([0.0, 1e7, 1e7, 1e5, 1e5]), moves(0));
     assert_eq!(with([1e7, 0.0, 1e7, 1e5, 1e5]), moves(1));
     assert_eq!(with([1e7, 1e7, 0.0, 1e5, 1e5]), moves(2));
     // The tilt of a body with its bearings about the mount.
-    assert!(matches!(with([1e7, 1e7, 1e7, 1e5, 0.0]), Some(FreeMotion::Beside(Owner::Body(0), _))));
+    assert!(matches!(with([1e7, 1e7, 1e7, 1e5, 0.0]), Some(FreeMotion::Beside(Owner::Part(0), _))));
     // Bearings hold a body on a shaft that stands on the ground.
     let mut on_ground = in_body(preloaded(), body, [1e7, 0.0, 0.0, 0.0, 0.0]);
     on_ground.supports = vec![clamp(0.15)];
