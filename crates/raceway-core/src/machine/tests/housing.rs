@@ -189,32 +189,3 @@ fn a_body_as_matrices_has_the_same_levels() {
         assert!(deviation.abs() < 1e-6, "{}: {deviation:e} dB", channel.named(&machine));
     }
 }
-
-#[test]
-fn measure_light_rings() {
-    for (stiffness, name) in [(1e6, "soft"), (1e8, "medium")] {
-        for mass in [0.06, 6e-3, 6e-4, 6e-5] {
-            let mut machine = motor_spindle();
-            for bearing in &mut machine.rotor.bearings {
-                let springs = diagonal([stiffness, stiffness, stiffness, 2e-4 * stiffness, 2e-4 * stiffness]);
-                bearing.seat =
-                    Seat::Elastic { mass, inertia: 5e-4 * mass, stiffness: springs, damping: diagonal([0.0; 5]) };
-            }
-            let (dynamics, _) = started(&machine);
-            let lambda = crate::machine::stepping::stiffness_of_step(&dynamics, 5e-6);
-            let inner = after(&machine, 1e-3, 5e-6);
-            let of = |step: f64| after(&machine, 1e-3, step);
-            let fine = of(0.625e-6);
-            let error = |step: f64| {
-                let found = of(step);
-                let pairs = found.iter().zip(&fine).flat_map(|(one, other)| (0..3).map(|k| (one[k] - other[k]).abs()));
-                pairs.fold(0.0, f64::max)
-            };
-            println!(
-                "{name} {mass:e} kg: KH {lambda:.3}, y {:.3e}, errors {:?}",
-                inner[0][1],
-                [5e-6, 2.5e-6, 1.25e-6].map(error)
-            );
-        }
-    }
-}
