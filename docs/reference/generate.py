@@ -161,7 +161,8 @@ Square brackets include the end of a range, round ones exclude it. Where to find
 ## Job
 
 """
-    jobs = {kind: schemas.all[name.title() + "Job"] for kind, name in zip(KINDS, KINDS)}
+    names = {"accuracy": "BearingAccuracyJob"}
+    jobs = {kind: schemas.all[names.get(kind, kind.title() + "Job")] for kind in KINDS}
     merged, kinds = {}, {}
     for kind, job in jobs.items():
         for name, field in job["properties"].items():

@@ -17,7 +17,8 @@ const JOB: &str = "JobInput";
 const ROTOR: &str = "RotorJob";
 /// Name of the schema of a machine job.
 const MACHINE: &str = "MachineJob";
-/// Name of the schema of an accuracy job of a shaft. Its `kind` is that of an accuracy job of one bearing.
+/// Name of the schema of any accuracy job, and of one of a shaft. Both have the same `kind`.
+const ACCURACY: &str = "AccuracyJob";
 const SHAFT_ACCURACY: &str = "ShaftAccuracyJob";
 
 /// A kind of job in the OpenAPI document.
@@ -105,7 +106,7 @@ pub const KINDS: [Kind; 4] = [
     },
     Kind {
         kind: JobKind::Accuracy,
-        name: "AccuracyJob",
+        name: "BearingAccuracyJob",
         description: "Error against run time, for several methods and tolerances.",
         requires: &[],
         reduced: &[&METRICS_ALONE, &MODEL_ALONE],
@@ -145,6 +146,7 @@ pub fn complete(schemas: &mut Schemas) {
     let Some(RefOr::T(Schema::Object(every))) = schemas.remove(JOB) else { return };
     schemas.extend(KINDS.iter().map(|kind| (kind.name.to_owned(), RefOr::T(kind.part_of(&every).into()))));
     schemas.insert(JOB.to_owned(), RefOr::T(any_kind(every.description)));
+    schemas.insert(ACCURACY.to_owned(), RefOr::T(any_accuracy()));
     for (path, name, value) in rotor_defaults() {
         for job in [ROTOR, MACHINE] {
             change(schemas, job, path, &|object| set_defaults(object, name, Some(&json!({ name: value }))));
@@ -196,22 +198,24 @@ fn split_shaft_speed(schemas: &mut Schemas) {
     }
 }
 
+/// An accuracy job of one bearing, or of a shaft.
+fn any_accuracy() -> Schema {
+    let of_bearing = KINDS.iter().filter(|kind| kind.kind == JobKind::Accuracy).map(|kind| kind.name);
+    let any = OneOfBuilder::new().description(Some(
+        "Error against run time: for several methods and tolerances, or with `scene.shaft` for several numbers of modes.",
+    ));
+    of_bearing.chain([SHAFT_ACCURACY]).fold(any, |any, name| any.item(Ref::from_schema_name(name))).into()
+}
+
 fn any_kind(description: Option<String>) -> Schema {
-    let place = |kind: &Kind| Ref::from_schema_name(kind.name);
+    let place = |kind: &Kind| Ref::from_schema_name(if kind.kind == JobKind::Accuracy { ACCURACY } else { kind.name });
     let mapping = KINDS.iter().map(|kind| (kind.kind.name(), place(kind).ref_location));
-    let [rotor, machine, shaft_accuracy] =
-        [ROTOR, MACHINE, SHAFT_ACCURACY].map(|name| move || Ref::from_schema_name(name));
+    let [rotor, machine] = [ROTOR, MACHINE].map(|name| move || Ref::from_schema_name(name));
     let of_shafts = [(JobKind::Rotor.name(), rotor().ref_location), (JobKind::Machine.name(), machine().ref_location)];
     let mapping = mapping.chain(of_shafts);
     let any =
         OneOfBuilder::new().description(description).discriminator(Some(Discriminator::with_mapping("kind", mapping)));
-    KINDS
-        .iter()
-        .fold(any, |any, kind| any.item(place(kind)))
-        .item(rotor())
-        .item(machine())
-        .item(shaft_accuracy())
-        .into()
+    KINDS.iter().fold(any, |any, kind| any.item(place(kind))).item(rotor()).item(machine()).into()
 }
 
 /// Fixed defaults of a job with a shaft: path to the object, field and value.

@@ -55,9 +55,9 @@ fn limits_stand_in_the_schema() {
     assert_eq!(bearing("radial_clearance_um"), [Some(-10_000.0), None, Some(500_000.0)]);
     assert_eq!(bearing("contact_angle_deg"), [Some(0.0), None, Some(60.0)]);
     assert_eq!(limits("SimulationJob", &["scene", "bearing", "cage", "mass_g"]), [Some(1e-9), None, Some(1e6)]);
-    assert_eq!(limits("AccuracyJob", &["solver", "model_tolerance_db"]), [Some(0.0), None, Some(20.0)]);
+    assert_eq!(limits("BearingAccuracyJob", &["solver", "model_tolerance_db"]), [Some(0.0), None, Some(20.0)]);
     assert_eq!(limits("StudyJob", &["priority"]), [Some(1.0), None, Some(4.0)]);
-    let tolerances = property("AccuracyJob", &["relative_tolerances"]);
+    let tolerances = property("BearingAccuracyJob", &["relative_tolerances"]);
     assert_eq!((&tolerances["items"]["minimum"], &tolerances["items"]["maximum"]), (&json!(1e-12), &json!(0.01)));
     let schemas = serde_json::to_value(job_schemas()).unwrap();
     assert_eq!(schemas["SpeedInput"]["oneOf"][0]["maximum"], 500_000);
@@ -80,7 +80,7 @@ fn defaults_that_are_fixed_stand_in_the_schema() {
     assert_eq!(default("SimulationJob", &["scene", "bearing", "cage", "friction"]), 0.08);
     assert_eq!(default("SimulationJob", &["scene", "terms", "drag"]), "auto");
     assert_eq!(default("SimulationJob", &["outputs", "metrics"]), json!(["vibration", "contacts", "cage"]));
-    assert_eq!(default("AccuracyJob", &["duration_s"]), 0.02);
+    assert_eq!(default("BearingAccuracyJob", &["duration_s"]), 0.02);
     assert_eq!(default("OptimumJob", &["goal"]), "minimum");
     assert_eq!(default("OptimumJob", &["outputs", "metrics"]), Value::Null);
     for kind in &KINDS {
