@@ -92,11 +92,11 @@ pub async fn waterfall(
 #[into_params(parameter_in = Query)]
 pub struct OrdersQuery {
     /// The channel; by default the first of `outputs.orders`, else the first kept series (`…/channels`).
-    #[param(example = "spindle.y.acceleration")]
+    #[param(example = "spindle.y.acceleration", pattern = r"^[^\u0000]*$")]
     channel: Option<String>,
     /// Tracked orders, separated by commas: numbers, or `FTF`, `BPFO`, `BPFI` and `BSF`, also with a factor (`2*BPFO`); of one bearing of several
     /// as `BPFO@A`.
-    #[param(example = "1,BPFO,2*BPFO")]
+    #[param(example = "1,BPFO,2*BPFO", pattern = r"^[^\u0000]*$")]
     tracks: Option<String>,
     /// Highest order.
     #[param(example = 40.0)]
@@ -117,7 +117,7 @@ pub struct OrdersQuery {
 #[into_params(parameter_in = Query)]
 pub struct WaterfallQuery {
     /// The channel; by default the first of `outputs.orders`, else the first kept series (`…/channels`).
-    #[param(example = "spindle.y.acceleration")]
+    #[param(example = "spindle.y.acceleration", pattern = r"^[^\u0000]*$")]
     channel: Option<String>,
     /// What the columns are. Default `hz`.
     #[param(inline = false)]
@@ -130,7 +130,7 @@ pub struct WaterfallQuery {
     #[param(example = 2000.0)]
     max_frequency_hz: Option<f64>,
     /// Labelled orders, separated by commas.
-    #[param(example = "1,BPFO,2*BPFO")]
+    #[param(example = "1,BPFO,2*BPFO", pattern = r"^[^\u0000]*$")]
     tracks: Option<String>,
     /// Highest order.
     #[param(example = 40.0)]

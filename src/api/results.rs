@@ -175,7 +175,7 @@ pub async fn machine(wanted: StoredResult) -> Result<Response, ApiError> {
 #[into_params(parameter_in = Query)]
 pub struct SpectrumQuery {
     /// The channel; by default the first kept one (`…/channels`).
-    #[param(example = "spindle.y.acceleration")]
+    #[param(example = "spindle.y.acceleration", pattern = r"^[^\u0000]*$")]
     channel: Option<String>,
     /// Kind of spectrum; default `amplitude`.
     #[param(inline = false)]
@@ -190,7 +190,7 @@ pub struct SpectrumQuery {
 #[into_params(parameter_in = Query)]
 pub struct SeriesQuery {
     /// The channel; by default the first kept one (`…/channels`).
-    #[param(example = "cage.y.displacement")]
+    #[param(example = "cage.y.displacement", pattern = r"^[^\u0000]*$")]
     channel: Option<String>,
     /// Start of the answer, as time since the start of the run [s]. The first kept value is at `settle_s`.
     from_s: Option<f64>,
