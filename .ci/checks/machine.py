@@ -64,6 +64,16 @@ def case_spall_at_a_sensor(running):
     verdict(status == 200 and "BPFO@A" in drawing and "sensor.probe.acceleration" in drawing, "the spectrum is drawn with labels")
     status, _, answer = running.request("GET", f"{path}/metrics")
     verdict(status in (404, 409), f"a machine job has no metrics of a simulation: {status} {answer.get('detail')}")
+    # The squared envelope of a narrow band at the first bearing.
+    path, _ = running.submit(body | {"outputs": {"envelope_band_hz": [1000, 6000], "envelope": "squared"}})
+    verdict(running.ended(path)["status"] == "succeeded", "the band and the square of the envelope can be chosen")
+    spectrum = running.request("GET", f"{path}/spectrum?channel=A.y.acceleration&kind=envelope")[2]
+    verdict(spectrum["unit"] == "(m/s²)²", f"unit of a squared envelope: {spectrum['unit']}")
+    squared = running.request("GET", f"{path}/machine")[2]
+    labels = {line["label"] for line in squared["envelope_lines"] if line["channel"] == "A.y.acceleration"}
+    verdict(squared["envelope"] == "squared" and "BPFO@A" in labels, f"its lines at the bearing: {sorted(labels)[:8]}")
+    drawing = running.request("GET", f"{path}/plots/envelope.svg")[2]
+    verdict("Squared-envelope spectrum" in (drawing.decode() if isinstance(drawing, bytes) else str(drawing)), "its plot says so")
 
 
 def case_refusals(running):
@@ -78,6 +88,7 @@ def case_refusals(running):
         "with a start azimuth of 400°": ({"scene": scene(first={"start_azimuth_deg": 400})}, "/scene/bearings/0/start_azimuth_deg"),
         "with a step of 50 µs": ({"step_us": 50}, "/step_us"),
         "of 60 s": ({"duration": 60}, "/duration_s"),
+        "with an envelope above the spectrum": ({"outputs": {"envelope_band_hz": [2000, 26000]}}, "/outputs/envelope_band_hz/1"),
         "with a housing without bodies": ({"scene": scene(housing={"bodies": []})}, "/scene/housing/bodies"),
     }
     for name, (fields, pointer) in cases.items():

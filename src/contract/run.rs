@@ -1,7 +1,6 @@
 //! Runs a checked job.
 
 use raceway_core::machine::mode_precision;
-use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::recording::spectra::ChannelSpectra;
@@ -18,7 +17,7 @@ use super::answer::metrics::Metrics;
 use super::answer::optimum::OptimumAnswer;
 use super::answer::point::PointEnd;
 use super::answer::rotor::RotorAnswer;
-use super::answer::signals::{SpectrumAnswer, SpectrumKind};
+use super::answer::signals::{SpectrumAnswer, SpectrumKind, unit_of_envelope};
 use super::answer::views::ViewsAnswer;
 use super::answer::work_precision::modes::ModePrecisionAnswer;
 use super::answer::work_precision::result::WorkPrecisionAnswer;
@@ -149,10 +148,7 @@ fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
     let (solver, outputs) = (&result.summary.solver, &simulation.settings.outputs);
     let of_channel = |of: &ChannelSpectra| {
         let unit = of.channel.unit();
-        let unit_of_envelope = match outputs.envelope {
-            EnvelopeKind::Magnitude => unit.to_owned(),
-            EnvelopeKind::Squared => format!("({unit})²"),
-        };
+        let unit_of_envelope = unit_of_envelope(unit, outputs.envelope.kind);
         [
             (SpectrumKind::Amplitude, unit.to_owned(), &of.amplitude),
             (SpectrumKind::Envelope, unit_of_envelope, &of.envelope),
@@ -160,7 +156,7 @@ fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
         .map(|(kind, unit, spectrum)| SpectrumAnswer::of((of.channel, unit), kind, spectrum, solver))
     };
     Simulated {
-        metrics: Metrics::of(&result, outputs),
+        metrics: Metrics::of(&result, simulation.scene(), outputs),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series,
         views: ViewsAnswer::of(&result.plot_data),

@@ -49,11 +49,14 @@ pub fn spectra(metrics: &Metrics, spectra: &[SpectrumAnswer], speed: VaryingSpee
 
 /// The envelope spectra of a job's accelerations, with their labelled lines.
 pub fn envelopes(metrics: &Metrics, spectra: &[SpectrumAnswer], speed: VaryingSpeed) -> String {
-    let title = match metrics.envelope {
+    labelled_spectra(envelope_title(metrics.envelope), metrics, metrics.envelope_lines.as_deref(), spectra, speed)
+}
+
+fn envelope_title(envelope: Option<EnvelopeName>) -> &'static str {
+    match envelope {
         Some(EnvelopeName::Squared) => "Squared-envelope spectrum",
         _ => "Envelope spectrum",
-    };
-    labelled_spectra(title, metrics, metrics.envelope_lines.as_deref(), spectra, speed)
+    }
 }
 
 fn labelled_spectra(
@@ -108,7 +111,7 @@ pub fn machine_spectra(
 ) -> String {
     let (title, lines) = match kind {
         SpectrumKind::Amplitude => ("Vibration spectrum", &answer.lines),
-        SpectrumKind::Envelope => ("Envelope spectrum", &answer.envelope_lines),
+        SpectrumKind::Envelope => (envelope_title(answer.envelope), &answer.envelope_lines),
     };
     let has_sensors = answer.channels.keys().any(|channel| channel.starts_with("sensor."));
     let shown: Vec<&SpectrumAnswer> = spectra

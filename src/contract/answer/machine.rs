@@ -6,6 +6,7 @@ use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Loss, Machine, MachineError};
 use raceway_core::machine::result::{BearingMetrics, MachineResult, SignalMetrics, SignalSpectra};
 use raceway_core::machine::run::simulate;
+use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::recording::sampling::RATE;
 use raceway_core::simulation::result::lines::Line;
@@ -13,24 +14,34 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::failure::{DID_NOT_CONVERGE, NUMERICAL_BLOWUP, RunFailure, SPINDLE_LEFT_BEARING};
+use super::headline::{BandAnswer, HeadlineAnswer, bands, in_g, velocity_mm_s};
 use super::messages::{self, MessageAnswer};
-use super::metrics::{BandAnswer, LineAnswer};
-use super::signals::{SeriesHead, SpectrumAnswer, SpectrumKind};
+use super::metrics::LineAnswer;
+use super::signals::{SeriesHead, SpectrumAnswer, SpectrumKind, unit_of_envelope};
 use crate::contract::job::machine::MachineJob;
+use crate::contract::job::outputs::EnvelopeName;
 use crate::contract::json::units::US;
 
 /// Result of a machine job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(as = MachineJobAnswer)]
 pub struct MachineAnswer {
+    /// Levels of the acceleration of the first sensor in the units and references of the trade; without sensors of the first bearing or body along y.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub headline: Option<HeadlineAnswer>,
     /// Metrics of each signal from 0 to 20 kHz, by channel: `A.y.acceleration` of the inner ring of bearing A, `A.force.y` and
     /// `A.moment.z` of the shaft on it, `A.tilt.y`, `A.cage.speed`, `sensor.NAME.acceleration`.
     pub channels: BTreeMap<String, MachineChannelAnswer>,
     /// Lines of the spectra of the accelerations, strongest first within each channel. A label that names balls or cage ends in `@` and the
     /// name of the bearing.
     pub lines: Vec<LineAnswer>,
-    /// Lines of the spectra of their envelopes from 2 to 20 kHz.
+    /// Lines of the spectra of their envelopes (`outputs.envelope_band_hz`).
     pub envelope_lines: Vec<LineAnswer>,
+    /// `squared`: `envelope_lines` are those of squared envelopes, in the square of the unit. Absent: of envelopes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub envelope: Option<EnvelopeName>,
     /// What each bearing did, by its name.
     pub bearings: BTreeMap<String, MachineBearingAnswer>,
     /// Natural motions of shaft and bearings, linear about the operating point, below 20 kHz.
@@ -76,6 +87,22 @@ pub struct MachineChannelAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub level_db: Option<f64>,
+    /// Root mean square about the mean in multiples of g = 9.80665 m/s²; accelerations only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub rms_g: Option<f64>,
+    /// Largest distance from the mean in multiples of g; accelerations only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub peak_g: Option<f64>,
+    /// Root mean square of the velocity from 10 to 1000 Hz [mm/s], with sharp edges, from Hann spectra; accelerations only, from 0.2 s on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub velocity_10_1000_hz_mm_s: Option<f64>,
+    /// Mean square of the Hann spectra up to 20 kHz over that of the signal [-]: 1 of steady motion; accelerations only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub parseval_ratio: Option<f64>,
     /// Vibration of an acceleration in three bands.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bands: Vec<BandAnswer>,
@@ -174,8 +201,9 @@ impl MachineOutcome {
     /// Runs the job.
     pub fn of(job: &MachineJob, control: &Control<'_>) -> Result<Self, RunFailure> {
         let result = simulate(&job.machine, &job.settings, control)?;
-        let spectra = spectra(&job.machine, &result);
-        let (answer, series) = (answer(&job.machine, &result), series(&job.machine, result, control));
+        let kind = job.settings.envelope.kind;
+        let spectra = spectra(&job.machine, &result, kind);
+        let (answer, series) = (answer(&job.machine, &result, kind), series(&job.machine, result, control));
         Ok(Self { answer, spectra, series })
     }
 }
@@ -196,7 +224,7 @@ impl From<MachineError> for RunFailure {
     }
 }
 
-fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
+fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> MachineAnswer {
     let named = |channel: &MachineChannel| channel.named(machine).to_string();
     let lines = |of: fn(&SignalSpectra) -> &Vec<Line>| {
         let of_channel = |spectra: &'_ SignalSpectra| -> Vec<LineAnswer> {
@@ -206,6 +234,7 @@ fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
     };
     let errors = result.accuracy.errors.iter().filter_map(|(channel, error)| Some((named(channel), (*error)?)));
     MachineAnswer {
+        headline: headline(machine, result),
         channels: result
             .channels
             .iter()
@@ -213,6 +242,7 @@ fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
             .collect(),
         lines: lines(|spectra| &spectra.lines),
         envelope_lines: lines(|spectra| &spectra.envelope_lines),
+        envelope: (envelope == EnvelopeKind::Squared).then_some(EnvelopeName::Squared),
         bearings: machine
             .bearings
             .iter()
@@ -238,7 +268,16 @@ fn answer(machine: &Machine, result: &MachineResult) -> MachineAnswer {
     }
 }
 
+/// The headline of the first sensor, bearing or body.
+fn headline(machine: &Machine, result: &MachineResult) -> Option<HeadlineAnswer> {
+    let first = MachineChannel::first_acceleration(machine);
+    let (channel, metrics) = result.channels.iter().find(|(channel, _)| *channel == first)?;
+    let of = metrics.bands.as_ref()?;
+    HeadlineAnswer::of(channel.named(machine).to_string(), metrics.rms, metrics.peak, of, bands(of, None))
+}
+
 fn channel_answer(channel: &MachineChannel, metrics: &SignalMetrics) -> MachineChannelAnswer {
+    let of_bands = metrics.bands.as_ref();
     MachineChannelAnswer {
         unit: channel.unit().to_owned(),
         mean: metrics.mean,
@@ -247,7 +286,11 @@ fn channel_answer(channel: &MachineChannel, metrics: &SignalMetrics) -> MachineC
         crest_factor: metrics.crest_factor,
         kurtosis: metrics.kurtosis,
         level_db: metrics.level_db,
-        bands: metrics.bands.iter().map(BandAnswer::from).collect(),
+        rms_g: of_bands.map(|_| in_g(metrics.rms)),
+        peak_g: of_bands.map(|_| in_g(metrics.peak)),
+        velocity_10_1000_hz_mm_s: of_bands.and_then(velocity_mm_s),
+        parseval_ratio: of_bands.and_then(|of| of.parseval_ratio),
+        bands: of_bands.map(|of| bands(of, None)).unwrap_or_default(),
     }
 }
 
@@ -278,14 +321,16 @@ fn bearing_answer(metrics: &BearingMetrics) -> MachineBearingAnswer {
     }
 }
 
-fn spectra(machine: &Machine, result: &MachineResult) -> Vec<SpectrumAnswer> {
+fn spectra(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> Vec<SpectrumAnswer> {
     let of = |spectra: &SignalSpectra| {
         let (channel, unit) = (spectra.channel.named(machine).to_string(), spectra.channel.unit());
-        [(SpectrumKind::Amplitude, &spectra.amplitude), (SpectrumKind::Envelope, &spectra.envelope)].map(
-            |(kind, spectrum)| {
-                SpectrumAnswer::of_steps((channel.clone(), unit.to_owned()), kind, spectrum, result.accuracy.step)
-            },
-        )
+        [
+            (SpectrumKind::Amplitude, unit.to_owned(), &spectra.amplitude),
+            (SpectrumKind::Envelope, unit_of_envelope(unit, envelope), &spectra.envelope),
+        ]
+        .map(|(kind, unit, spectrum)| {
+            SpectrumAnswer::of_steps((channel.clone(), unit), kind, spectrum, result.accuracy.step)
+        })
     };
     result.spectra.iter().flat_map(of).collect()
 }

@@ -6,15 +6,18 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::envelope::EnvelopeAnswer;
+use super::headline::{BandAnswer, HeadlineAnswer, bands, in_g, velocity_mm_s};
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
 use super::resonance::ResonanceAnswer;
 use crate::contract::job::outputs::EnvelopeName;
+use crate::contract::json::units::RPM;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::error::report::AccuracyReport;
-use raceway_core::simulation::input::channel::Channel;
+use raceway_core::simulation::input::channel::{Axis, Channel, Motion};
+use raceway_core::simulation::input::scene::Scene;
 use raceway_core::simulation::input::settings::Outputs;
-use raceway_core::simulation::recording::bands::Band;
+use raceway_core::simulation::recording::bands::BandMetrics;
 use raceway_core::simulation::result::lines::Line;
 use raceway_core::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
 use raceway_core::simulation::result::run_result::RunResult;
@@ -22,6 +25,11 @@ use raceway_core::simulation::result::run_result::RunResult;
 /// Summary of a finished simulation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Metrics {
+    /// Levels of the spindle's acceleration along y in the units and references of the trade (metrics `vibration`); absent where the level is not
+    /// resolved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub headline: Option<HeadlineAnswer>,
     /// Statistics by channel (metrics `vibration`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -83,6 +91,14 @@ pub struct ChannelAnswer {
     /// Largest magnitude, in `unit`.
     #[schema(minimum = 0)]
     pub peak: f64,
+    /// Root mean square in multiples of g = 9.80665 m/s²; accelerations only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub rms_g: Option<f64>,
+    /// Largest magnitude in multiples of g; accelerations only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub peak_g: Option<f64>,
     /// Crest factor, peak / rms [-]; absent without motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
@@ -114,8 +130,19 @@ pub struct ChannelAnswer {
     /// Share of the power above 20 kHz [-].
     #[schema(minimum = 0, maximum = 1)]
     pub above_band: f64,
-    /// Vibration in the bands of ISO 15242-1, from Hann spectra; accelerations with a resolved level only. Bands that the recorded time does
-    /// not resolve are missing. The standard measures the outer ring at 1800 r/min; no quality class follows from these numbers.
+    /// Root mean square of the velocity from 10 to 1000 Hz [mm/s], the band of ISO 20816-1, with sharp edges, from Hann spectra; accelerations with
+    /// a resolved level only. Absent where less than 0.2 s was recorded, which does not resolve 10 Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub velocity_10_1000_hz_mm_s: Option<f64>,
+    /// Mean square of the Hann spectra up to 20 kHz over that of the signal [-]. 1 of steady motion; velocities and bands of motion that swells
+    /// or decays within the record are off by as much.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub parseval_ratio: Option<f64>,
+    /// Vibration in bands, those of ISO 15242-1 by default (`outputs.bands_hz`), from Hann spectra; accelerations with a resolved level only.
+    /// Bands that the recorded time does not resolve are missing. The standard measures the outer ring at 1800 r/min; no quality class follows
+    /// from these numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub bands: Option<Vec<BandAnswer>>,
@@ -124,23 +151,6 @@ pub struct ChannelAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeAnswer>,
-}
-
-/// Vibration of a channel in a frequency band.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct BandAnswer {
-    /// Lower end of the band [Hz].
-    #[schema(minimum = 0)]
-    pub from_hz: f64,
-    /// Upper end of the band [Hz].
-    #[schema(minimum = 0)]
-    pub to_hz: f64,
-    /// Root mean square of the velocity [µm/s].
-    #[schema(minimum = 0)]
-    pub velocity_rms_um_s: f64,
-    /// Root mean square of the acceleration [m/s²].
-    #[schema(minimum = 0)]
-    pub acceleration_rms_m_s2: f64,
 }
 
 /// Contacts of the balls.
@@ -259,23 +269,26 @@ pub struct LineAnswer {
 }
 
 impl Metrics {
-    pub fn of(result: &RunResult, outputs: &Outputs) -> Self {
+    pub fn of(result: &RunResult, scene: &Scene, outputs: &Outputs) -> Self {
         let summary = &result.summary;
+        let speed = constant_speed_rpm(scene);
         let channels = summary.channels.iter().map(|(channel, m)| {
             let found = summary.envelope_harmonics.iter().find(|(of, _)| of == channel);
-            let reference = match outputs.envelope {
+            let reference = match outputs.envelope.kind {
                 EnvelopeKind::Magnitude => m.rms,
                 EnvelopeKind::Squared => m.rms * m.rms,
             };
             let envelope = found.map(|(_, harmonics)| EnvelopeAnswer::of(harmonics, reference));
-            let answer = channel_answer(channel.unit(), m, &summary.accuracy, *channel);
+            let answer = channel_answer(m, &summary.accuracy, *channel, speed);
             (channel.to_string(), ChannelAnswer { envelope, ..answer })
         });
+        let channels: Option<BTreeMap<String, ChannelAnswer>> = outputs.vibration.then(|| channels.collect());
         let lines = |of: &[(Channel, Line)]| {
             outputs.vibration.then(|| of.iter().map(|(channel, line)| line_answer(channel.to_string(), line)).collect())
         };
         Self {
-            channels: outputs.vibration.then(|| channels.collect()),
+            headline: outputs.vibration.then(|| headline(summary, speed)).flatten(),
+            channels,
             contacts: contacts(summary),
             kinematics: summary.cage.as_ref().map(kinematics),
             cage: summary
@@ -285,7 +298,7 @@ impl Metrics {
             frequencies_hz: summary.frequencies.into(),
             lines: lines(&summary.lines),
             envelope_lines: lines(&summary.envelope_lines),
-            envelope: (outputs.envelope == EnvelopeKind::Squared).then_some(EnvelopeName::Squared),
+            envelope: (outputs.envelope.kind == EnvelopeKind::Squared).then_some(EnvelopeName::Squared),
             resonances: summary.resonances.iter().map(ResonanceAnswer::from).collect(),
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
             accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
@@ -296,12 +309,20 @@ impl Metrics {
     }
 }
 
-fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyReport, channel: Channel) -> ChannelAnswer {
-    let has_bands = !metrics.bands.is_empty() && accuracy.unresolved.of(channel).is_none();
+fn channel_answer(
+    metrics: &ChannelMetrics,
+    accuracy: &AccuracyReport,
+    channel: Channel,
+    speed_rpm: Option<f64>,
+) -> ChannelAnswer {
+    let is_acceleration = metrics.bands.is_some();
+    let bands = metrics.bands.as_ref().filter(|_| accuracy.unresolved.of(channel).is_none());
     ChannelAnswer {
-        unit: unit.to_owned(),
+        unit: channel.unit().to_owned(),
         rms: metrics.rms,
         peak: metrics.peak,
+        rms_g: is_acceleration.then(|| in_g(metrics.rms)),
+        peak_g: is_acceleration.then(|| in_g(metrics.peak)),
         crest_factor: metrics.crest_factor,
         kurtosis: metrics.kurtosis,
         level_db: metrics.level_db,
@@ -309,20 +330,30 @@ fn channel_answer(unit: &str, metrics: &ChannelMetrics, accuracy: &AccuracyRepor
         resolved: accuracy.unresolved.of(channel).map(|_| false),
         level_scatter_db: accuracy.level_scatter.of(channel),
         above_band: metrics.above_band,
-        bands: has_bands.then(|| metrics.bands.iter().map(BandAnswer::from).collect()),
+        velocity_10_1000_hz_mm_s: bands.and_then(velocity_mm_s),
+        parseval_ratio: bands.and_then(|of| of.parseval_ratio),
+        bands: bands.map(|of| bands_of(of, channel, speed_rpm)).filter(|bands| !bands.is_empty()),
         envelope: None,
     }
 }
 
-impl From<&Band> for BandAnswer {
-    fn from(band: &Band) -> Self {
-        Self {
-            from_hz: band.from,
-            to_hz: band.to,
-            velocity_rms_um_s: 1e6 * band.velocity,
-            acceleration_rms_m_s2: band.acceleration,
-        }
-    }
+/// The headline of the acceleration along y.
+fn headline(summary: &Summary, speed_rpm: Option<f64>) -> Option<HeadlineAnswer> {
+    const CHANNEL: Channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
+    let (_, metrics) = summary.channels.iter().find(|(channel, _)| *channel == CHANNEL)?;
+    let of = metrics.bands.as_ref().filter(|_| summary.accuracy.unresolved.of(CHANNEL).is_none())?;
+    let bands = bands_of(of, CHANNEL, speed_rpm);
+    HeadlineAnswer::of(CHANNEL.to_string(), metrics.rms, metrics.peak, of, bands)
+}
+
+fn bands_of(metrics: &BandMetrics, channel: Channel, speed_rpm: Option<f64>) -> Vec<BandAnswer> {
+    let is_radial = matches!(channel, Channel::Spindle(Axis::Y | Axis::Z, _));
+    bands(metrics, speed_rpm.filter(|_| is_radial))
+}
+
+/// Speed of the shaft [r/min], where both rings keep theirs.
+fn constant_speed_rpm(scene: &Scene) -> Option<f64> {
+    scene.operation.has_constant_speeds().then(|| RPM.to_user(scene.operation.speed.at(0.0).1))
 }
 
 fn line_answer(channel: String, line: &Line) -> LineAnswer {

@@ -1,6 +1,7 @@
 //! Results as JSON: of a request before it runs, of a simulation, a study, an optimum job and an accuracy job. Knows jobs; runs none but
 //! the search for an optimum, by a function that it is given.
 
+pub mod headline;
 pub mod loads;
 pub mod messages;
 pub mod metrics;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::contract::json::numbers::rounded;
-use raceway_core::numerics::spectrum::Spectrum;
+use raceway_core::numerics::spectrum::{EnvelopeKind, Spectrum};
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::result::metrics::SolverReport;
 use raceway_core::simulation::result::series::Series;
@@ -51,6 +51,14 @@ pub struct SpectrumAnswer {
 pub enum SpectrumKind {
     Amplitude,
     Envelope,
+}
+
+/// Unit of an envelope's spectrum, of a signal in a unit.
+pub fn unit_of_envelope(unit: &str, kind: EnvelopeKind) -> String {
+    match kind {
+        EnvelopeKind::Magnitude => unit.to_owned(),
+        EnvelopeKind::Squared => format!("({unit})²"),
+    }
 }
 
 impl SpectrumAnswer {

@@ -32,7 +32,7 @@ pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
     let level_error = || of_level().or_else(|| accuracy("level_error_db"));
     let error = match name {
         "level_db" => level_error(),
-        "rms" => level_error().map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
+        "rms" | "rms_g" => level_error().map(|db| value * (10_f64.powf(db / 20.0) - 1.0)),
         "max_load_n" if pointer.contains("pocket") => accuracy("max_pocket_load_error").map(|share| share * value),
         "max_load_n" => accuracy("max_load_error").map(|share| share * value),
         // Pressure grows with the cube root of the load.

@@ -131,7 +131,7 @@ fn check_tolerances(tolerances: &[f64], defaults: &mut Defaults) {
 /// Refuses fields that belong to a simulation.
 fn refuse_fields_of_simulations(input: &JobInput, defaults: &mut Defaults) {
     let SolverInput { method, relative_tolerance, fixed_step_us, .. } = input.solver.clone().unwrap_or_default();
-    let OutputsInput { spectra, series, envelope_band_hz, envelope, orders, .. } =
+    let OutputsInput { spectra, series, envelope_band_hz, envelope, bands_hz, orders, .. } =
         input.outputs.clone().unwrap_or_default();
     let signals = "a job of kind `accuracy` keeps no signals";
     let fields = [
@@ -147,6 +147,7 @@ fn refuse_fields_of_simulations(input: &JobInput, defaults: &mut Defaults) {
         ("/outputs/orders", orders.is_some(), signals),
         ("/outputs/envelope_band_hz", envelope_band_hz.is_some(), signals),
         ("/outputs/envelope", envelope.is_some(), signals),
+        ("/outputs/bands_hz", bands_hz.is_some(), signals),
         ("/reuse", input.reuse == Some(true), "a job of kind `accuracy` measures run time: its result is never reused"),
     ];
     for (pointer, _, detail) in fields.into_iter().filter(|field| field.1) {

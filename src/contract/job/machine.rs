@@ -3,8 +3,9 @@
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Machine, MachineBearing};
 use raceway_core::machine::settings::{MachineSettings, RANGE};
+use raceway_core::numerics::spectrum::EnvelopeAnalysis;
 use raceway_core::physics::kinematics::RingSpeeds;
-use raceway_core::simulation::input::channel::{Axis, Motion};
+use raceway_core::simulation::input::settings::ENVELOPE;
 use raceway_core::simulation::recording::sampling::RATE;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -12,7 +13,7 @@ use utoipa::ToSchema;
 
 use super::kind::JobKind;
 use super::orders::OrdersInput;
-use super::outputs::MAX_CHANNELS;
+use super::outputs::{EnvelopeName, MAX_CHANNELS, band_edges, envelope};
 use super::recorded_turns::{RecordedBearing, RecordedTurns};
 use super::shaft_draft::{ShaftDraft, ShaftRequest};
 use super::submission::{ServiceFields, Submission};
@@ -99,6 +100,16 @@ pub struct MachineOutputsInput {
     /// Channels whose complete time series are kept. Default: none.
     #[schema(nullable = false, max_items = 64, example = json!(["A.y.acceleration"]))]
     pub series: Option<Vec<String>>,
+    /// Lower and upper end of the frequency band whose envelope is analysed [Hz]; it must hold the resonances that impacts excite. Default:
+    /// 2000 to 20 000.
+    #[schema(nullable = false, example = json!([2000, 20000]))]
+    pub envelope_band_hz: Option<[f64; 2]>,
+    /// What the spectrum of the envelope is of. Default: `magnitude`.
+    #[schema(nullable = false)]
+    pub envelope: Option<EnvelopeName>,
+    /// Rising edges of the bands in which accelerations are summed [Hz], 2 to 17 of them, from 1 to 20 000. Default: 50, 300, 1800, 10 000.
+    #[schema(nullable = false, min_items = 2, max_items = 17, example = json!([50, 300, 1800, 10000]))]
+    pub bands_hz: Option<Vec<f64>>,
     /// Order spectra, order tracks and waterfalls, for a run whose speed varies. Default: none.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -194,13 +205,17 @@ fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut 
     if let Some(step) = input.step_us {
         defaults.check_of_rotor("/step_us", step);
     }
-    let mut series = Vec::new();
-    if let Some(machine) = machine {
+    let mut kept = (Vec::new(), ENVELOPE);
+    if let (Some(machine), Some(outputs)) = (machine, &mut input.outputs) {
         // At a constant speed the number of turns does not depend on the time before.
         let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
-        series = input.outputs.as_mut().map(|outputs| outputs.resolve(machine, &run, defaults)).unwrap_or_default();
+        kept = (outputs.series(machine, &run, defaults), outputs.envelope(defaults));
     }
-    MachineSettings { settle: input.settle_s, duration, step: input.step_us.map(|step| US.to_si(step)), range, series }
+    let (series, envelope) = kept;
+    let bands_hz = input.outputs.as_ref().and_then(|outputs| outputs.bands_hz.clone());
+    let band_edges = band_edges(defaults, &bands_hz);
+    let step = input.step_us.map(|step| US.to_si(step));
+    MachineSettings { settle: input.settle_s, duration, step, range, series, envelope, band_edges }
 }
 
 /// The recorded time [s], by default up to the last point of a speed profile, or `usual`. Errors of it and of the time before are noted in
@@ -237,12 +252,18 @@ pub(super) fn checked_times(
 }
 
 impl MachineOutputsInput {
+    /// The analysed envelope. Errors are noted in `defaults`.
+    fn envelope(&mut self, defaults: &mut Defaults) -> EnvelopeAnalysis {
+        envelope(defaults, &mut self.envelope_band_hz, &mut self.envelope)
+    }
+
     /// The kept series, with those of the order analysis. Errors are noted in `defaults`.
-    fn resolve(&mut self, machine: &Machine, run: &RecordedTurns, defaults: &mut Defaults) -> Vec<MachineChannel> {
+    fn series(&mut self, machine: &Machine, run: &RecordedTurns, defaults: &mut Defaults) -> Vec<MachineChannel> {
         let names = defaults.fill("/outputs/series", &mut self.series, Vec::new());
         let mut series = channels(&names, "/outputs/series", machine, defaults);
         if let Some(orders) = &mut self.orders {
-            let analysed = orders.resolve_channels(&usual_channel(machine), defaults);
+            let analysed = orders
+                .resolve_channels(&MachineChannel::first_acceleration(machine).named(machine).to_string(), defaults);
             let analysed = channels(&analysed, "/outputs/orders/channels", machine, defaults);
             let turning = run.bearings.iter().flat_map(RecordedBearing::turning_channels);
             let turning = turning.filter_map(|name| MachineChannel::parse(&name, machine));
@@ -255,18 +276,6 @@ impl MachineOutputsInput {
         }
         series
     }
-}
-
-/// The channel whose orders are analysed by default: the acceleration of the first sensor, bearing or body. A machine has one of them.
-fn usual_channel(machine: &Machine) -> String {
-    let channel = if !machine.sensors.is_empty() {
-        MachineChannel::Sensor(0, Motion::Acceleration)
-    } else if !machine.bearings.is_empty() {
-        MachineChannel::Ring(0, Axis::Y, Motion::Acceleration)
-    } else {
-        MachineChannel::Body(0, Axis::Y, Motion::Acceleration)
-    };
-    channel.named(machine).to_string()
 }
 
 /// The channels of these names. Errors are noted in `defaults`.

@@ -10,11 +10,12 @@ use super::recorded_turns::turning_channels;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
 use crate::contract::json::shapes::optional_object;
-use raceway_core::numerics::spectrum::EnvelopeKind;
+use raceway_core::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind};
 use raceway_core::physics::spindle::{AxialHold, SpindleTilt};
 use raceway_core::simulation::input::channel::{Axis, BallContact, Channel};
 use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
-use raceway_core::simulation::input::settings::{ENVELOPE_BAND, Outputs, longest_window};
+use raceway_core::simulation::input::settings::{BAND_EDGES, ENVELOPE, Outputs, longest_window};
+use raceway_core::simulation::recording::sampling::BAND;
 
 /// Requested results. Results that are not requested are neither computed nor stored.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -36,6 +37,9 @@ pub struct OutputsInput {
     /// What the spectrum of the envelope is of. Default: `magnitude`.
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeName>,
+    /// Rising edges of the bands in which accelerations are summed [Hz], 2 to 17 of them, from 1 to 20 000. Default: 50, 300, 1800, 10 000.
+    #[schema(nullable = false, min_items = 2, max_items = 17, example = json!([50, 300, 1800, 10000]))]
+    pub bands_hz: Option<Vec<f64>>,
     /// Order spectra, order tracks and waterfalls, for a run whose speed varies. Default: none.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -85,6 +89,10 @@ pub const USUAL_SPECTRA: [&str; 2] = ["spindle.y.acceleration", "spindle.z.accel
 pub const MAX_CHANNELS: usize = 64;
 /// Limits of the band whose envelope is analysed [Hz].
 pub const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
+/// Numbers of edges of bands, and their limits [Hz].
+const MIN_BAND_EDGES: usize = 2;
+const MAX_BAND_EDGES: usize = 17;
+const BAND_EDGE_LIMITS: [f64; 2] = [1.0, BAND];
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
 impl OutputsInput {
@@ -102,9 +110,9 @@ impl OutputsInput {
         Outputs {
             spectra: channels(defaults, "/outputs/spectra", &spectra, scene),
             series: with_orders(channels(defaults, "/outputs/series", &series, scene), &of_orders, defaults, scene),
-            envelope_band: envelope_band(defaults, &mut self.envelope_band_hz),
-            envelope: defaults.fill("/outputs/envelope", &mut self.envelope, EnvelopeName::Magnitude).into(),
+            envelope: envelope(defaults, &mut self.envelope_band_hz, &mut self.envelope),
             envelope_harmonics,
+            band_edges: band_edges(defaults, &self.bands_hz),
             longest_window: scene.filter(|_| has_spectra).map_or(outputs.longest_window, longest_window),
             ..outputs
         }
@@ -127,10 +135,40 @@ impl OutputsInput {
     }
 }
 
+/// The analysed envelope of the fields `outputs.envelope_band_hz` and `outputs.envelope`.
+pub(super) fn envelope(
+    defaults: &mut Defaults,
+    band: &mut Option<[f64; 2]>,
+    kind: &mut Option<EnvelopeName>,
+) -> EnvelopeAnalysis {
+    let kind = defaults.fill("/outputs/envelope", kind, EnvelopeName::Magnitude).into();
+    EnvelopeAnalysis { band: envelope_band(defaults, band), kind }
+}
+
+/// Edges of the bands of accelerations [Hz]. The usual ones are not written into the request, so that results of earlier builds are reused.
+pub(super) fn band_edges(defaults: &mut Defaults, field: &Option<Vec<f64>>) -> Vec<f64> {
+    const POINTER: &str = "/outputs/bands_hz";
+    let Some(edges) = field else { return BAND_EDGES.to_vec() };
+    if !(MIN_BAND_EDGES..=MAX_BAND_EDGES).contains(&edges.len()) {
+        let detail = format!("{} edges: must be {MIN_BAND_EDGES} to {MAX_BAND_EDGES}", edges.len());
+        defaults.refuse(POINTER, detail);
+    }
+    let [low, high] = BAND_EDGE_LIMITS;
+    for (index, edge) in edges.iter().enumerate() {
+        let pointer = format!("{POINTER}/{index}");
+        if !(low..=high).contains(edge) {
+            defaults.refuse(pointer, numbers::out_of_range(*edge, low, high, false, "Hz"));
+        } else if index > 0 && edges[index - 1] >= *edge {
+            defaults.refuse(pointer, format!("{edge} Hz is not above {} Hz: edges rise", edges[index - 1]));
+        }
+    }
+    edges.clone()
+}
+
 /// The band whose envelope is analysed [Hz].
 fn envelope_band(defaults: &mut Defaults, field: &mut Option<[f64; 2]>) -> (f64, f64) {
     const POINTER: &str = "/outputs/envelope_band_hz";
-    let band = defaults.fill(POINTER, field, ENVELOPE_BAND.into());
+    let band = defaults.fill(POINTER, field, ENVELOPE.band.into());
     let [low, high] = ENVELOPE_LIMITS;
     for (index, edge) in band.into_iter().enumerate() {
         if !(low..=high).contains(&edge) {

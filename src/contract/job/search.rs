@@ -219,6 +219,16 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
         ["channels", channel, name] if is_channel(channel) && OF_CHANNEL.contains(&name) => {
             Some(MetricsPart::Vibration)
         }
+        ["channels", channel, "rms_g" | "peak_g" | "velocity_10_1000_hz_mm_s"]
+            if is_channel(channel) && channel.ends_with("acceleration") =>
+        {
+            Some(MetricsPart::Vibration)
+        }
+        ["channels", channel, "bands", band, "velocity_rms_um_s" | "acceleration_rms_m_s2" | "anderon"]
+            if is_channel(channel) && channel.ends_with("acceleration") && band.parse::<u8>().is_ok() =>
+        {
+            Some(MetricsPart::Vibration)
+        }
         ["channels", channel, "envelope", rate, harmonic]
             if is_channel(channel)
                 && channel.ends_with("acceleration")

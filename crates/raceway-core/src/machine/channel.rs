@@ -49,6 +49,17 @@ impl MachineChannel {
         channels
     }
 
+    /// The acceleration that is shown first: of the first sensor, else of the first bearing or body along y. A machine has one of them.
+    pub fn first_acceleration(machine: &Machine) -> Self {
+        if !machine.sensors.is_empty() {
+            Self::Sensor(0, Motion::Acceleration)
+        } else if !machine.bearings.is_empty() {
+            Self::Ring(0, Axis::Y, Motion::Acceleration)
+        } else {
+            Self::Body(0, Axis::Y, Motion::Acceleration)
+        }
+    }
+
     /// The signal of that name, or `None`.
     pub fn parse(name: &str, machine: &Machine) -> Option<Self> {
         Self::all(machine).into_iter().find(|channel| channel.named(machine).to_string() == name)

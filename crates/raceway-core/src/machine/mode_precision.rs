@@ -189,7 +189,7 @@ fn size_of(dynamics: &MachineDynamics) -> ModeSize {
 /// Levels of the accelerations from 0 to 20 kHz [dB]; `None` where nothing moves.
 fn levels(recording: &MachineRecording) -> Vec<(MachineChannel, Option<f64>)> {
     let accelerations = recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
-    accelerations.map(|(channel, values)| (*channel, level_db(InBand::of(values).moments.rms()))).collect()
+    accelerations.map(|(channel, values)| (*channel, level_db(InBand::of(values, &[]).moments.rms()))).collect()
 }
 
 /// The levels that are compared: those of channels that are not faint.

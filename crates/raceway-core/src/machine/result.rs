@@ -7,13 +7,13 @@ use super::codes::MachineWarning;
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
 use super::recording::{BearingRecord, MachineRecording};
-use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
+use super::settings::MachineSettings;
+use crate::numerics::spectrum::{EnvelopeAnalysis, Spectrum, amplitude_and_envelope};
 use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{BodySpeeds, CharacteristicFrequencies, RingSpeeds, ideal_orbit_ratio};
 use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::error::stationarity::trend_of;
-use crate::simulation::input::settings::ENVELOPE_BAND;
-use crate::simulation::recording::bands::Band;
+use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
@@ -53,7 +53,8 @@ pub struct SignalMetrics {
     pub kurtosis: Option<f64>,
     /// Of an acceleration [dB re 9.81 mm/s²].
     pub level_db: Option<f64>,
-    pub bands: Vec<Band>,
+    /// Of accelerations only.
+    pub bands: Option<BandMetrics>,
     /// Change of the level of an acceleration along the recorded time [dB], where it rises or falls throughout.
     pub trend_db: Option<f64>,
 }
@@ -95,19 +96,28 @@ impl MachineResult {
         machine: &Machine,
         dynamics: &MachineDynamics,
         recording: MachineRecording,
-        series: &[MachineChannel],
+        settings: &MachineSettings,
         accuracy: Accuracy,
     ) -> Self {
         let bearings: Vec<BearingMetrics> = bearings(machine, dynamics, &recording);
-        let channels = recording.signals.iter().map(|(channel, values)| (*channel, metrics(*channel, values)));
+        let channels = recording
+            .signals
+            .iter()
+            .map(|(channel, values)| (*channel, metrics(*channel, values, &settings.band_edges)));
         let accelerations = recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
         let speed = dynamics.speed.at(0.0).1;
         let system = &dynamics.frame.system;
         let natural = system.oscillations(speed).unwrap_or_default().into_iter().map(|oscillation| oscillation.value);
         Self {
             channels: channels.collect(),
-            series: series.iter().map(|channel| (*channel, in_unit(*channel, recording.of(*channel)))).collect(),
-            spectra: accelerations.map(|(channel, values)| spectra(*channel, values, machine, &bearings)).collect(),
+            series: settings
+                .series
+                .iter()
+                .map(|channel| (*channel, in_unit(*channel, recording.of(*channel))))
+                .collect(),
+            spectra: accelerations
+                .map(|(channel, values)| spectra((*channel, values), machine, &bearings, settings.envelope))
+                .collect(),
             natural_frequencies: natural
                 .map(|value| (value.im / TAU, -value.re / value.norm()))
                 .filter(|(frequency, _)| *frequency < BAND)
@@ -124,8 +134,8 @@ impl MachineResult {
     }
 }
 
-fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
-    let in_band = InBand::of(values);
+fn metrics(channel: MachineChannel, values: &[f64], edges: &[f64]) -> SignalMetrics {
+    let in_band = InBand::of(values, edges);
     let (moments, scale) = (in_band.moments, channel.scale());
     let is_acceleration = channel.is_acceleration();
     SignalMetrics {
@@ -135,7 +145,7 @@ fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
         crest_factor: moments.crest_factor(),
         kurtosis: moments.kurtosis(),
         level_db: if is_acceleration { level_db(moments.rms()) } else { None },
-        bands: if is_acceleration { in_band.bands.bands() } else { Vec::new() },
+        bands: is_acceleration.then(|| in_band.bands.metrics(moments.rms())),
         trend_db: if is_acceleration { trend_of(&in_band) } else { None },
     }
 }
@@ -170,9 +180,14 @@ fn in_unit(channel: MachineChannel, values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| channel.scale() * value).collect()
 }
 
-fn spectra(channel: MachineChannel, values: &[f64], machine: &Machine, bearings: &[BearingMetrics]) -> SignalSpectra {
+fn spectra(
+    (channel, values): (MachineChannel, &[f64]),
+    machine: &Machine,
+    bearings: &[BearingMetrics],
+    analysis: EnvelopeAnalysis,
+) -> SignalSpectra {
     let scaled = in_unit(channel, values);
-    let (amplitude, envelope) = amplitude_and_envelope(&scaled, RATE, ENVELOPE_BAND, EnvelopeKind::Magnitude);
+    let (amplitude, envelope) = amplitude_and_envelope(&scaled, RATE, analysis);
     let is_constant = machine.speed.is_constant() && machine.outer_speed.is_constant();
     let lines = |spectrum: &Spectrum| if is_constant { labelled(spectrum, machine, bearings) } else { Vec::new() };
     SignalSpectra { channel, lines: lines(&amplitude), envelope_lines: lines(&envelope), amplitude, envelope }

@@ -51,7 +51,7 @@ pub fn simulate(
     let Confirmed { recording, errors, step, last, rejections, work, .. } =
         run.confirmed(settings.step, [settings.duration, window], control)?;
     let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations };
-    let mut result = MachineResult::of(machine, &dynamics, recording, &settings.series, accuracy);
+    let mut result = MachineResult::of(machine, &dynamics, recording, settings, accuracy);
     result.warnings = warnings(machine, &dynamics, &result, (ALLOWED_DB, last));
     result.warnings.extend(rejections);
     Ok(result)

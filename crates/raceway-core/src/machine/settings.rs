@@ -1,6 +1,7 @@
 //! Accuracy, times and kept signals of a run.
 
 use super::channel::MachineChannel;
+use crate::numerics::spectrum::EnvelopeAnalysis;
 
 /// Accuracy, times and kept signals of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,6 +17,9 @@ pub struct MachineSettings {
     pub range: f64,
     /// Signals whose values are kept.
     pub series: Vec<MachineChannel>,
+    pub envelope: EnvelopeAnalysis,
+    /// Rising edges of the bands in which accelerations are summed [Hz].
+    pub band_edges: Vec<f64>,
 }
 
 /// Highest frequency of the kept free modes over the band of the levels [-]. With the static answers of the rest, levels are then within

@@ -36,7 +36,7 @@ use crate::simulation::input::channel::{Axis, BallContact, Motion};
 use crate::simulation::input::control::Control;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::{Scene, Term, TermChoice};
-use crate::simulation::input::settings::Outputs;
+use crate::simulation::input::settings::{ENVELOPE, Outputs};
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
@@ -441,7 +441,15 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
 fn a_run_shows_the_response_to_unbalance() {
     let mut machine = motor_spindle();
     machine.sensors = vec![on_shaft("probe", 0.15, Axis::Y)];
-    let settings = MachineSettings { settle: Some(0.05), duration: 0.05, step: None, range: RANGE, series: Vec::new() };
+    let settings = MachineSettings {
+        settle: Some(0.05),
+        duration: 0.05,
+        step: None,
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
     let request = Request { elements: Elements::Auto, speeds: vec![6000.0 * RPM], modes: 4, sensors: Vec::new() };
     let linear = analyse(&machine.rotor, &request, &|| false).unwrap();
@@ -470,7 +478,15 @@ fn whirl_that_its_damping_drives_ends_with_the_cause() {
     (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
     machine.rotor.speed = 60_000.0 * RPM;
     machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
-    let settings = MachineSettings { settle: Some(0.0), duration: 0.5, step: None, range: RANGE, series: Vec::new() };
+    let settings = MachineSettings {
+        settle: Some(0.0),
+        duration: 0.5,
+        step: None,
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
     let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
     assert!(error.contains("rotating_share"), "{error}");
 }

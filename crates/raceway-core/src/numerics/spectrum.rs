@@ -96,7 +96,7 @@ pub(crate) fn envelope_spectrum(signal: &[f64], rate: f64, band: (f64, f64)) -> 
     if n == 0 {
         return amplitude_spectrum(signal, rate);
     }
-    envelope(forward(&mut signal.to_vec()), n, rate, band, EnvelopeKind::Magnitude)
+    envelope(forward(&mut signal.to_vec()), n, rate, EnvelopeAnalysis { band, kind: EnvelopeKind::Magnitude })
 }
 
 /// Quantity whose spectrum is taken: the envelope, or its square. The square of the envelope of a few tones has no lines beyond their differences.
@@ -109,23 +109,27 @@ pub enum EnvelopeKind {
     Squared,
 }
 
+/// Envelope whose spectrum is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EnvelopeAnalysis {
+    /// Lower and upper end of the band that the signal passes first [Hz].
+    pub band: (f64, f64),
+    pub kind: EnvelopeKind,
+}
+
 /// Both spectra of a signal from one transform: [`amplitude_spectrum`] and, to rounding, [`envelope_spectrum`].
-pub(crate) fn amplitude_and_envelope(
-    signal: &[f64],
-    rate: f64,
-    band: (f64, f64),
-    kind: EnvelopeKind,
-) -> (Spectrum, Spectrum) {
+pub(crate) fn amplitude_and_envelope(signal: &[f64], rate: f64, analysis: EnvelopeAnalysis) -> (Spectrum, Spectrum) {
     let n = signal.len();
     if n == 0 {
         return (amplitude_spectrum(signal, rate), amplitude_spectrum(signal, rate));
     }
     let bins = bins_about_mean(signal);
-    (amplitudes(&bins, n, rate), envelope(bins, n, rate, band, kind))
+    (amplitudes(&bins, n, rate), envelope(bins, n, rate, analysis))
 }
 
-/// Amplitude spectrum of the envelope of `n` values in a band [Hz], from their transform.
-fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, band: (f64, f64), kind: EnvelopeKind) -> Spectrum {
+/// Amplitude spectrum of the envelope of `n` values, from their transform.
+fn envelope(mut bins: Vec<Complex64>, n: usize, rate: f64, analysis: EnvelopeAnalysis) -> Spectrum {
+    let EnvelopeAnalysis { band, kind } = analysis;
     // The mean and, for an even count, the last bin have no quarter turn.
     let frequency = |k: usize| k as f64 * rate / n as f64;
     let from = bins_below(bins.len(), |k| k == 0 || frequency(k) < band.0);
@@ -380,7 +384,7 @@ mod tests {
         let n = 10_240;
         let (one, other) = (tone(n, 8000.0, 2.0, 0.0), tone(n, 8350.0, 0.5, 0.4));
         let signal: Vec<f64> = one.iter().zip(&other).map(|(one, other)| one + other).collect();
-        let of = |kind| amplitude_and_envelope(&signal, RATE, (6000.0, 10_000.0), kind).1;
+        let of = |kind| amplitude_and_envelope(&signal, RATE, EnvelopeAnalysis { band: (6000.0, 10_000.0), kind }).1;
         let (magnitude, squared) = (of(EnvelopeKind::Magnitude), of(EnvelopeKind::Squared));
         assert!((squared.amplitude[35] - 2.0).abs() < 1e-6 && squared.amplitude[70] < 1e-9);
         assert!(magnitude.amplitude[70] > 0.02, "the magnitude has harmonics");

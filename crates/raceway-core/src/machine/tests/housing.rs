@@ -135,7 +135,15 @@ fn sensors_on_a_body_show_the_linear_response() {
     let body = Part::Housing(0);
     machine.sensors =
         vec![sensor("on", body, None), sensor("gap", Part::Shaft, Some(body)), sensor("back", body, Some(Part::Shaft))];
-    let settings = MachineSettings { settle: Some(0.1), duration: 0.1, step: None, range: RANGE, series: Vec::new() };
+    let settings = MachineSettings {
+        settle: Some(0.1),
+        duration: 0.1,
+        step: None,
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
     let sensors = machine.sensors.clone();
     let request = Request { elements: Elements::Auto, speeds: vec![machine.rotor.speed], modes: 4, sensors };
@@ -179,8 +187,15 @@ fn a_body_as_matrices_has_the_same_levels() {
     machine.rotor.gravity = 0.0;
     let mut imported = machine.clone();
     imported.rotor.housing = Housing { structure: Some(as_matrices(&machine.rotor.housing)), ..Housing::default() };
-    let settings =
-        MachineSettings { settle: Some(0.02), duration: 0.05, step: Some(5e-6), range: RANGE, series: Vec::new() };
+    let settings = MachineSettings {
+        settle: Some(0.02),
+        duration: 0.05,
+        step: Some(5e-6),
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
     let [one, other] =
         [&machine, &imported].map(|machine| simulate(machine, &settings, &Control::until(&|| false)).unwrap());
     assert_eq!(one.channels.len(), other.channels.len());

@@ -86,7 +86,15 @@ fn a_constant_load_gives_the_static_deflection() {
             .to_vec();
     machine.sensors =
         [(0.1, Axis::Y), (0.29, Axis::Z)].map(|(at, axis)| on_shaft(&format!("{axis}"), at, axis)).to_vec();
-    let settings = MachineSettings { settle: Some(0.05), duration: 0.02, step: None, range: RANGE, series: Vec::new() };
+    let settings = MachineSettings {
+        settle: Some(0.05),
+        duration: 0.02,
+        step: None,
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
     let result = simulate(&machine, &settings, &Control::until(&|| false)).unwrap();
     let request =
         Request { elements: Elements::Auto, speeds: vec![machine.rotor.speed], modes: 4, sensors: Vec::new() };
@@ -179,7 +187,15 @@ fn run_ups_pass_the_resonance_with_known_peaks() {
 fn a_run_up_beyond_the_threshold_of_rotating_damping_is_named() {
     let mut machine = motor_spindle();
     (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
-    let settings = MachineSettings { settle: Some(0.0), duration: 0.02, step: None, range: RANGE, series: Vec::new() };
+    let settings = MachineSettings {
+        settle: Some(0.0),
+        duration: 0.02,
+        step: None,
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
     let to = |rpm: f64| {
         let machine = turning(machine.clone(), vec![(0.0, 12_000.0 * RPM), (0.02, rpm * RPM)]);
         simulate(&machine, &settings, &Control::until(&|| false)).map(|_| ())

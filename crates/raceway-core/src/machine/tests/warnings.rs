@@ -10,7 +10,15 @@ use crate::rotor::input::PlacedLoad;
 use crate::simulation::model::state::SpindleState;
 
 fn settings(settle: f64, duration: f64, step: Option<f64>) -> MachineSettings {
-    MachineSettings { settle: Some(settle), duration, step, range: RANGE, series: Vec::new() }
+    MachineSettings {
+        settle: Some(settle),
+        duration,
+        step,
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    }
 }
 
 fn run(machine: &Machine, settings: &MachineSettings) -> MachineResult {

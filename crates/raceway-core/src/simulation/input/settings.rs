@@ -1,14 +1,17 @@
 //! Settings of a run and its requested outputs.
 
 use crate::numerics::ode::Method;
-use crate::numerics::spectrum::EnvelopeKind;
+use crate::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind};
 use crate::physics::kinematics::ideal_frequencies;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 
-/// Default of the frequency band whose envelope is analysed [Hz]: above the shaft and ball-pass lines, where impacts excite resonances.
-pub const ENVELOPE_BAND: (f64, f64) = (2_000.0, 20_000.0);
+/// Default of the analysed envelope: its band lies above the shaft and ball-pass lines, where impacts excite resonances.
+pub const ENVELOPE: EnvelopeAnalysis = EnvelopeAnalysis { band: (2_000.0, 20_000.0), kind: EnvelopeKind::Magnitude };
+
+/// Edges of the bands in which bearing vibration is stated as velocity [Hz] (ISO 15242-1).
+pub const BAND_EDGES: [f64; 4] = [50.0, 300.0, 1800.0, 10_000.0];
 
 /// Requested outputs. They decide which terms the model must contain.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,9 +23,9 @@ pub struct Outputs {
     pub spectra: Vec<Channel>,
     /// Channels with a full time series.
     pub series: Vec<Channel>,
-    /// Frequency band whose envelope is analysed [Hz].
-    pub envelope_band: (f64, f64),
-    pub envelope: EnvelopeKind,
+    pub envelope: EnvelopeAnalysis,
+    /// Rising edges of the bands in which accelerations are summed [Hz].
+    pub band_edges: Vec<f64>,
     /// Whether the envelopes of the accelerations are read at the rates of defects.
     pub envelope_harmonics: bool,
     /// Longest window of spectra and statistics [s].
@@ -54,8 +57,8 @@ impl Outputs {
             cage: false,
             spectra: Vec::new(),
             series: Vec::new(),
-            envelope_band: ENVELOPE_BAND,
-            envelope: EnvelopeKind::Magnitude,
+            envelope: ENVELOPE,
+            band_edges: BAND_EDGES.to_vec(),
             envelope_harmonics: false,
             longest_window: LONGEST_WINDOW,
         }

@@ -1,6 +1,6 @@
 //! Spectra of one recorded channel.
 
-use crate::numerics::spectrum::{EnvelopeKind, Spectrum, amplitude_and_envelope};
+use crate::numerics::spectrum::{EnvelopeAnalysis, Spectrum, amplitude_and_envelope};
 use crate::simulation::input::channel::Channel;
 use crate::simulation::recording::sampling::RATE;
 
@@ -13,10 +13,10 @@ pub struct ChannelSpectra {
 }
 
 impl ChannelSpectra {
-    /// Spectra of a signal [SI], and of its envelope in a band [Hz].
-    pub fn of(channel: Channel, signal: &[f64], envelope_band: (f64, f64), kind: EnvelopeKind) -> Self {
+    /// Spectra of a signal [SI], and of its envelope.
+    pub fn of(channel: Channel, signal: &[f64], analysis: EnvelopeAnalysis) -> Self {
         let signal: Vec<f64> = signal.iter().map(|value| channel.scale() * value).collect();
-        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, envelope_band, kind);
+        let (amplitude, envelope) = amplitude_and_envelope(&signal, RATE, analysis);
         Self { channel, amplitude, envelope }
     }
 

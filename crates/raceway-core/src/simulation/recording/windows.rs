@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 use crate::numerics::lanes::{LANES, Lanes, larger};
-use crate::numerics::spectrum::{EnvelopeKind, filtered};
+use crate::numerics::spectrum::{EnvelopeAnalysis, filtered};
 use crate::numerics::statistics::{self, CentralMoments};
 use crate::simulation::input::channel::{Axis, Channel, Motion};
 use crate::simulation::input::settings::Outputs;
@@ -68,15 +68,15 @@ pub(crate) struct InBand {
 }
 
 impl InBand {
-    /// Statistics of a run of one window.
-    pub(crate) fn of(signal: &[f64]) -> Self {
-        Self::within(signal, 0)
+    /// Statistics of a run of one window, with bands between these edges [Hz].
+    pub(crate) fn of(signal: &[f64], edges: &[f64]) -> Self {
+        Self::within(signal, 0, edges)
     }
 
     /// Statistics of one window without `edge` values at either end.
-    fn within(signal: &[f64], edge: usize) -> Self {
+    fn within(signal: &[f64], edge: usize, edges: &[f64]) -> Self {
         let mut bands = Bands::default();
-        let in_band = filtered(signal, RATE, BAND, |bins| bands = Bands::of(bins));
+        let in_band = filtered(signal, RATE, BAND, |bins| bands = Bands::of(bins, edges));
         let in_band = in_band.get(edge..in_band.len().saturating_sub(edge)).unwrap_or_default();
         // The band limit removes the mean, and windows differ in their means.
         Self {
@@ -117,9 +117,9 @@ pub struct Signal {
     /// Whether levels or metrics need the statistics in the band.
     counts_in_band: bool,
     asked_for_spectra: bool,
-    /// [Hz]
-    envelope_band: (f64, f64),
-    envelope: EnvelopeKind,
+    envelope: EnvelopeAnalysis,
+    /// Edges of the bands of an acceleration [Hz].
+    band_edges: Vec<f64>,
     /// Values of the first of several windows, where plots need them.
     first: Option<Vec<f64>>,
 }
@@ -144,8 +144,8 @@ impl Signal {
             counts_in_band: ACCELERATIONS.contains(&channel)
                 || (outputs.vibration && matches!(channel, Channel::Spindle(..))),
             asked_for_spectra,
-            envelope_band: outputs.envelope_band,
             envelope: outputs.envelope,
+            band_edges: outputs.band_edges.clone(),
             first: (windows.count > 1 && outputs.keep_signals() && is_plotted(channel)).then(Vec::new),
         }
     }
@@ -170,15 +170,15 @@ impl Signal {
 
     /// Statistics in the band of levels, for the spindle's motion.
     pub(crate) fn in_band(&self) -> &InBand {
-        self.in_band.get_or_init(|| self.values().map(InBand::of).unwrap_or_default())
+        self.in_band
+            .get_or_init(|| self.values().map(|values| InBand::of(values, &self.band_edges)).unwrap_or_default())
     }
 
     /// Spectra in the channel's unit; `None` where they are not requested.
     pub fn spectra(&self) -> Option<&ChannelSpectra> {
         let values = self.values().unwrap_or_default();
-        self.asked_for_spectra.then(|| {
-            self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope_band, self.envelope))
-        })
+        self.asked_for_spectra
+            .then(|| self.spectra.get_or_init(|| ChannelSpectra::of(self.channel, values, self.envelope)))
     }
 
     /// Adds the current window to the statistics of the run, and empties it.
@@ -194,10 +194,10 @@ impl Signal {
             join(&mut self.all, CentralMoments::of(&self.window), |all, window| *all = all.joined(window));
         }
         if self.counts_in_band {
-            join(&mut self.in_band, InBand::within(&self.window, EDGE), InBand::join);
+            join(&mut self.in_band, InBand::within(&self.window, EDGE, &self.band_edges), InBand::join);
         }
         if self.asked_for_spectra {
-            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope_band, self.envelope);
+            let spectra = ChannelSpectra::of(self.channel, &self.window, self.envelope);
             join(&mut self.spectra, spectra, |all, window| all.join(&window));
         }
         if ACCELERATIONS.contains(&self.channel) {
@@ -458,14 +458,13 @@ mod tests {
         assert_eq!((seen.values(), seen.excerpts.len(), seen.in_band().mean_squares.len()), (None, 3, 30));
         assert_eq!(seen.excerpts[2][..10], whole[2 * 85_312..2 * 85_312 + 10]);
         assert_eq!(whirl, None);
-        let alone = InBand::of(&whole).moments;
+        let alone = InBand::of(&whole, &[]).moments;
         let decibels = 20.0 * (seen.in_band().moments.rms() / alone.rms()).log10();
         assert!(decibels.abs() < 1e-3, "{decibels} dB");
         let kurtosis = |moments: &CentralMoments| moments.kurtosis().unwrap();
         assert!((kurtosis(&seen.in_band().moments) / kurtosis(&alone) - 1.0).abs() < 1e-3);
         assert!((seen.all().rms() / statistics::rms(&whole[..3 * 85_312]) - 1.0).abs() < 1e-12);
-        let (spectra, at_once) =
-            (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope_band, outputs.envelope));
+        let (spectra, at_once) = (seen.spectra().unwrap(), ChannelSpectra::of(channel, &whole, outputs.envelope));
         assert_eq!((spectra.amplitude.averages, at_once.amplitude.averages), (3, 1));
         let line = |spectrum: &crate::numerics::spectrum::Spectrum, frequency: f64| {
             let bin = (frequency / spectrum.resolution).round() as usize;

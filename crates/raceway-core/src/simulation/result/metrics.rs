@@ -13,10 +13,10 @@ use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::channel::{Channel, Motion};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
-use crate::simulation::input::settings::RunSettings;
+use crate::simulation::input::settings::{BAND_EDGES, RunSettings};
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::contact_resonance::ContactResonance;
-use crate::simulation::recording::bands::Band;
+use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::off_raceway::OffShare;
 use crate::simulation::recording::record::{ContactExtremes, Recording};
 use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
@@ -40,7 +40,7 @@ pub struct ChannelMetrics {
     /// Share of the signal's power above 20 kHz [-].
     pub above_band: f64,
     /// Of accelerations only.
-    pub bands: Vec<Band>,
+    pub bands: Option<BandMetrics>,
 }
 
 /// One kind of raceway contact over all balls and the kept time.
@@ -149,7 +149,7 @@ const STANDSTILL: f64 = 1e-12;
 
 /// Metrics of one channel, from its values taken as one window, and its variance before the filter (SI).
 pub fn channel_metrics(channel: Channel, signal: &[f64], total_variance: f64) -> ChannelMetrics {
-    in_band_metrics(channel, &InBand::of(signal), total_variance)
+    in_band_metrics(channel, &InBand::of(signal, &BAND_EDGES), total_variance)
 }
 
 /// Metrics of one channel from its statistics.
@@ -166,7 +166,7 @@ pub(crate) fn in_band_metrics(channel: Channel, in_band: &InBand, total_variance
         kurtosis: moments.kurtosis(),
         level_db: if acceleration { level_db(rms) } else { None },
         above_band: above.clamp(0.0, 1.0),
-        bands: if acceleration { in_band.bands.bands() } else { Vec::new() },
+        bands: acceleration.then(|| in_band.bands.metrics(rms)),
     }
 }
 

@@ -157,7 +157,7 @@ fn missed_resonance(scene: &Scene, ideal: &Mechanism, settings: &RunSettings) ->
         return None;
     }
     let resonances = contact_resonances(ideal, scene.operating_speeds());
-    let (low, high) = settings.outputs.envelope_band;
+    let (low, high) = settings.outputs.envelope.band;
     let mut excited = directions.iter().filter_map(|direction| excited_along(&resonances, *direction));
     let resonance = excited.find(|excited| !(low..=high).contains(&excited.frequency))?;
     Some(Warning::MissedResonance { resonance: resonance.frequency, band: (low, high), advised: resonance.band() })
