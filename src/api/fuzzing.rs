@@ -20,13 +20,14 @@ use super::orders::{OrdersQuery, PNG, WaterfallQuery};
 use super::request::{
     JobId, JsonBody, NoQuery, PlotFile, Query, SeriesBody, SeriesFormat, SeriesHash, header, negotiated,
 };
-use super::results::{SeriesQuery, SpectrumQuery};
+use super::results::{BandsQuery, SeriesQuery, SpectrumQuery, bands_response};
 use super::rotor::{PYTHON, RossQuery};
 use super::routes::document;
 use super::stored_answer::{CSV, JSON, NPY, SVG};
 use super::submission_headers::{idempotency_key, preferred_wait};
 use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
 use super::{conditional, error_layers, plots, portal};
+use crate::contract::answer::spectrum_view::SpectrumScaling;
 use crate::contract::{
     SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
     parse_scene_request,
@@ -82,6 +83,7 @@ fn router() -> Router {
         .route("/v1/jobs/{id}", get(show).delete(with_job))
         .route("/v1/jobs/{id}/events", get(events))
         .route("/v1/jobs/{id}/spectrum", get(spectrum))
+        .route("/v1/jobs/{id}/bands", get(bands))
         .route("/v1/jobs/{id}/series", get(series))
         .route("/v1/jobs/{id}/orders", get(orders))
         .route("/v1/jobs/{id}/waterfall", get(waterfall))
@@ -178,19 +180,30 @@ async fn events(headers: HeaderMap, _: JobId, _: Query<NoQuery>) -> Result<Respo
 
 async fn spectrum(headers: HeaderMap, _: JobId, query: Query<SpectrumQuery>) -> Result<Response, ApiError> {
     let format = negotiated(&headers, &[JSON, CSV])?;
-    let stored = SpectrumAnswer {
+    SpectrumQuery::checked(query)?.formatted(format, stored_spectrum())
+}
+
+async fn bands(headers: HeaderMap, _: JobId, query: Query<BandsQuery>) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    bands_response(&stored_spectrum(), &BandsQuery::checked(query)?.1)
+}
+
+fn stored_spectrum() -> SpectrumAnswer {
+    SpectrumAnswer {
         channel: "spindle.y.acceleration".into(),
         kind: SpectrumKind::Amplitude,
+        scaling: SpectrumScaling::Amplitude,
         unit: "m/s²".into(),
         window: "hann".into(),
+        window_noise_bandwidth_bins: 1.5,
         averages: 1,
         resolution_hz: 10.0,
         mean_step_s: 1e-5,
         damped_above_hz: 15_915.0,
         frequency_hz: Vec::new(),
         amplitude: (0..40).map(f64::from).collect(),
-    };
-    SpectrumQuery::checked(query)?.formatted(format, stored)
+    }
+    .with_frequencies()
 }
 
 async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Result<Response, ApiError> {

@@ -313,6 +313,7 @@ fn links_of_job() -> impl Iterator<Item = (&'static str, Link)> {
         ("resumeStudy", "For a study that was cancelled or failed", None),
         ("getMetrics", OF_SIMULATION, None),
         ("getSpectrum", OF_SIMULATION, Some(("channel", "spindle.y.acceleration"))),
+        ("getBands", OF_SIMULATION, None),
         ("getSeries", "For a simulation with requested series", Some(("channel", "spindle.y.displacement"))),
         ("getOrders", "For a simulation with requested orders or series", None),
         ("getWaterfall", "For a simulation with requested orders or series", None),

@@ -19,10 +19,13 @@ use super::request::{JobId, NoQuery, Query, header, negotiated};
 use super::series_answer::Part;
 use super::stored_answer::{CSV, JSON, NPY, formatted, json_text, respond, series_of, spectrum_of};
 use crate::contract::answer::csv;
+use crate::contract::answer::spectrum_view::{BandsAnswer, SpectrumQuantity, SpectrumScaling};
 use crate::contract::{
     AccuracyJobAnswer, JobKind, MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind,
 };
+use crate::contract::job::outputs::{MAX_BAND_EDGES, MIN_BAND_EDGES};
 use crate::jobs::{JobError, Signal, StoredSeries};
+use raceway_core::simulation::input::settings::BAND_EDGES;
 
 /// Get the metrics
 ///
@@ -75,8 +78,8 @@ struct ChannelsAnswer {
 
 /// Get a spectrum
 ///
-/// One-sided amplitude spectrum of a requested channel, by default the first: a sine of amplitude 1 reads 1. JSON, or CSV with the header
-/// `Accept: text/csv`.
+/// One-sided spectrum of a requested channel, by default the first: of amplitudes, where a sine of amplitude 1 reads 1, of root mean squares, or
+/// the power spectral density. A motion also comes as displacement, velocity or acceleration. JSON, or CSV with the header `Accept: text/csv`.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/spectrum", tag = openapi::RESULTS, operation_id = "getSpectrum",
     params(("id" = Uuid, Path, description = "The job"), SpectrumQuery),
@@ -98,6 +101,35 @@ pub async fn spectrum(
     let channel = named_or_first(&app, &owner, id, kind.into(), query.channel.clone()).await?;
     let spectrum = spectrum_of(&app, &owner, id, kind, &channel).await?;
     formatted(move || query.formatted(format, spectrum)).await
+}
+
+/// Get vibration in bands
+///
+/// Root mean square of velocity and acceleration between given frequencies, from the stored Hann spectrum of an acceleration, by default of the
+/// first kept channel in the bands of ISO 15242-1.
+#[utoipa::path(
+    get, path = "/v1/jobs/{id}/bands", tag = openapi::RESULTS, operation_id = "getBands",
+    params(("id" = Uuid, Path, description = "The job"), BandsQuery),
+    responses((status = 200, description = "The bands", body = BandsAnswer), Unchanged, BadQuery, NoChannel, NoResult, NotAccepted, Anywhere)
+)]
+pub async fn bands(
+    State(app): State<App>,
+    Owner(owner): Owner,
+    headers: HeaderMap,
+    JobId(id): JobId,
+    query: Result<Query<BandsQuery>, ApiError>,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    let (channel, edges) = unless_of_other_kind(&app, &owner, id, query.and_then(BandsQuery::checked)).await?;
+    let channel = named_or_first(&app, &owner, id, Signal::Amplitude, channel).await?;
+    let spectrum = spectrum_of(&app, &owner, id, SpectrumKind::Amplitude, &channel).await?;
+    formatted(move || bands_response(&spectrum, &edges)).await
+}
+
+/// The bands of a spectrum between edges [Hz], as a response.
+pub fn bands_response(spectrum: &SpectrumAnswer, edges: &[f64]) -> Result<Response, ApiError> {
+    let bands = spectrum.bands(edges).map_err(|detail| ApiError::BadRequest(format!("query: {detail}")))?;
+    Ok(respond(JSON, json_text(&bands)?))
 }
 
 /// Get a time series
@@ -180,9 +212,27 @@ pub struct SpectrumQuery {
     /// Kind of spectrum; default `amplitude`.
     #[param(inline = false)]
     kind: Option<SpectrumKind>,
+    /// What the values are; default `amplitude`.
+    #[param(inline = false)]
+    scaling: Option<SpectrumScaling>,
+    /// Motion that is shown; default: that of the channel. Bins below 10 Hz, and the first two, are left out of an integrated spectrum.
+    #[param(inline = false)]
+    quantity: Option<SpectrumQuantity>,
     /// Highest frequency of the answer [Hz].
     #[param(minimum = 0, example = 5000.0)]
     max_frequency_hz: Option<f64>,
+}
+
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct BandsQuery {
+    /// The channel, an acceleration; by default the first kept one (`…/channels`).
+    #[param(example = "spindle.y.acceleration", pattern = r"^[^\u0000]*$")]
+    channel: Option<String>,
+    /// Rising edges of the bands [Hz], 2 to 17 of them, separated by commas. Default: 50, 300, 1800, 10 000.
+    #[param(example = "10,1000", pattern = r"^[^\u0000]*$")]
+    edges_hz: Option<String>,
 }
 
 #[derive(Debug, Deserialize, IntoParams)]
@@ -205,6 +255,12 @@ pub struct SeriesQuery {
 impl SpectrumQuery {
     /// The requested part of a spectrum, as a response.
     pub fn formatted(&self, format: &'static str, spectrum: SpectrumAnswer) -> Result<Response, ApiError> {
+        let wrong = |detail| ApiError::BadRequest(format!("query: {detail}"));
+        let spectrum = match self.quantity {
+            Some(quantity) => spectrum.of_quantity(quantity).map_err(wrong)?,
+            None => spectrum,
+        };
+        let spectrum = spectrum.scaled(self.scaling.unwrap_or_default());
         let spectrum = spectrum.up_to(self.max_frequency_hz.unwrap_or(f64::INFINITY));
         Ok(match format {
             CSV => respond(CSV, csv::spectrum_csv(&spectrum)),
@@ -219,6 +275,26 @@ impl SpectrumQuery {
                 Err(ApiError::BadRequest(format!("query: max_frequency_hz: {highest} Hz: must be at least 0 Hz")))
             }
             _ => Ok(query),
+        }
+    }
+}
+
+impl BandsQuery {
+    /// The channel and the edges [Hz], if these are numbers.
+    pub fn checked(Query(query): Query<Self>) -> Result<(Option<String>, Vec<f64>), ApiError> {
+        let Some(text) = query.edges_hz else { return Ok((query.channel, BAND_EDGES.to_vec())) };
+        let number = |edge: &str| {
+            let shown: String = edge.chars().take(20).collect();
+            let refused = || ApiError::BadRequest(format!("query: edges_hz: `{shown}`: must be a number [Hz]"));
+            edge.trim().parse::<f64>().ok().filter(|edge| edge.is_finite()).ok_or_else(refused)
+        };
+        let edges = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+        match edges.len() {
+            MIN_BAND_EDGES..=MAX_BAND_EDGES => Ok((query.channel, edges)),
+            count => {
+                let range = format!("{MIN_BAND_EDGES} to {MAX_BAND_EDGES}");
+                Err(ApiError::BadRequest(format!("query: edges_hz: {count} edges: must be {range}")))
+            }
         }
     }
 }

@@ -64,6 +64,7 @@ fn result_routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(results::metrics))
         .routes(routes!(results::channels))
         .routes(routes!(results::spectrum))
+        .routes(routes!(results::bands))
         .routes(routes!(results::series))
         .routes(routes!(orders::orders))
         .routes(routes!(orders::waterfall))

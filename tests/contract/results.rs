@@ -38,6 +38,35 @@ fn a_spectrum_comes_as_json_and_csv() {
     assert_eq!(envelope["kind"], "envelope");
 }
 
+/// Density, motion and bands of a stored spectrum agree with each other and with the metrics.
+#[test]
+fn a_spectrum_has_scalings_motions_and_bands() {
+    let server = start();
+    let path = server.submit(&job_with(json!({ "outputs": { "bands_hz": [300, 1800, 10_000] } })));
+    server.wait_for(&path, &["succeeded"]);
+    let of = |query: &str| server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration{query}")).json();
+    let (amplitude, density) = (of(""), of("&scaling=psd"));
+    assert_eq!((&density["unit"], &density["scaling"]), (&json!("(m/s²)²/Hz"), &json!("psd")));
+    let resolution = amplitude["resolution_hz"].as_f64().unwrap();
+    let square: f64 = numbers(&amplitude["amplitude"]).iter().map(|value| value * value / 3.0).sum();
+    let sum: f64 = numbers(&density["amplitude"]).iter().map(|value| value * resolution).sum();
+    assert!((sum / square - 1.0).abs() < 1e-3, "{sum} {square}");
+    let velocity = of("&quantity=velocity");
+    assert_eq!(velocity["unit"], "mm/s");
+    assert!(numbers(&velocity["frequency_hz"])[0] >= 10.0);
+    let bands = server.get(&format!("{path}/bands?edges_hz=300,1800,10000")).json();
+    let metrics = server.get(&format!("{path}/metrics")).json();
+    let headline = &metrics["headline"];
+    assert_eq!(headline["channel"], "spindle.y.acceleration");
+    for (band, stored) in bands["bands"].as_array().unwrap().iter().zip(headline["bands"].as_array().unwrap()) {
+        let (one, other) = (&band["velocity_rms_um_s"], &stored["velocity_rms_um_s"]);
+        assert!((one.as_f64().unwrap() / other.as_f64().unwrap() - 1.0).abs() < 0.01, "{one} {other}");
+    }
+    let rms = headline["rms_m_s2"].as_f64().unwrap();
+    assert!((headline["rms_g"].as_f64().unwrap() * 9.80665 / rms - 1.0).abs() < 1e-12);
+    assert_eq!(headline["levels"][1]["db"], metrics["channels"]["spindle.y.acceleration"]["level_db"]);
+}
+
 #[test]
 fn a_series_is_cut_and_thinned() {
     let server = start();
@@ -121,6 +150,11 @@ fn wrong_queries_are_refused() {
         "spectrum?channel=spindle.y.acceleration&max_frequency_hz=NaN",
         "spectrum?channel=spindle.y.acceleration&kind=power",
         "spectrum?channel=spindle.y.acceleration&colour=red",
+        "spectrum?channel=spindle.y.acceleration&kind=envelope&quantity=velocity",
+        "bands?edges_hz=300",
+        "bands?edges_hz=300,x",
+        "bands?edges_hz=1800,300",
+        "bands?edges_hz=300,30000",
         "series?channel=spindle.y.velocity&from_s=1&to_s=0",
         "series?channel=spindle.y.velocity&max_points=0",
         "series?channel=spindle.y.velocity&max_points=1.5",

@@ -74,6 +74,7 @@ def recorded(running):
     examples["submitJobs"] = {"200": answer("POST", "/v1/jobs/batch", {"jobs": [JOBS["simulation"], {"kind": "simulation"}]})}
     examples["getChannels"] = {"200": answer("GET", f"{path}/channels")}
     examples["getSpectrum"] = {"200": answer("GET", f"{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=20")}
+    examples["getBands"] = {"200": answer("GET", f"{path}/bands?edges_hz=300,1800,10000")}
     examples["getSeries"] = {"200": answer("GET", f"{path}/series?channel=spindle.y.displacement&max_points=4")}
     run_up = running.submit(RUN_UP)[0]
     running.ended(run_up)

@@ -5,6 +5,7 @@ import { h, more, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { channelName, LEVEL_UNIT, level, measured, number, quantity } from './format.js';
 import { messageList } from './messages.js';
+import { figure, headlineFigures } from './metrics.js';
 import { Spectra } from './spectra.js';
 
 const isAcceleration = (name) => name.endsWith('.acceleration');
@@ -58,8 +59,6 @@ export class MachineView {
 
   #summary() {
     const { channels, bearings, model, accuracy, is_stable: isStable } = this.answer;
-    const figure = (name, value, unit, extra) =>
-      h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
     const sensors = this.channels.filter(isSensor);
     const shown = sensors.length ? sensors : this.channels.filter((name) => name.endsWith('.y.acceleration'));
     const errors = accuracy.level_errors_db;
@@ -77,6 +76,7 @@ export class MachineView {
       'dl',
       { class: 'figures' },
       shown.slice(0, 4).map(of),
+      headlineFigures(this.answer),
       figure('Largest ball load', number(load), 'N'),
       isStable !== undefined && figure('Natural motions', isStable ? 'stable' : 'unstable'),
       figure('Step', number(model.step_us, 3), 'µs', `${model.coordinates} coordinates of the shaft`),

@@ -24,12 +24,26 @@ export function usualLimit(metrics, kind = 'amplitude') {
   return Math.min(Math.ceil((last * 1.1) / (step / 2)) * (step / 2), 20000);
 }
 
+/** A key value with its unit, and with a small remark. */
+export const figure = (name, value, unit, extra) =>
+  h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
+
+/** Key values of the headline of a result, in the units of the trade. */
+export function headlineFigures({ headline }) {
+  if (!headline) return [];
+  const { channel, rms_m_s2: rms, rms_g: g, peak_m_s2: peak, velocity_10_1000_hz_mm_s: velocity, levels } = headline;
+  const iso = levels.find(({ quantity, standard }) => quantity === 'acceleration' && standard === 'iso1683');
+  const at = channelName(channel);
+  return [
+    figure(`${at}, rms`, measured(rms), 'm/s²', `${measured(g)} g, peak ${measured(peak)} m/s²${iso ? `, ${level(iso.db)} dB re 1 µm/s²` : ''}`),
+    velocity !== undefined && figure('Velocity, 10 to 1000 Hz', measured(velocity), 'mm/s', `rms at ${at}`),
+  ].filter(Boolean);
+}
+
 /** Messages and key values of a run. */
 export function summary(metrics) {
   const { channels = {}, contacts, kinematics, solver, accuracy, messages = [] } = metrics;
   const of = (axis) => channels[`spindle.${axis}.acceleration`]?.level_db;
-  const figure = (name, value, unit, extra) =>
-    h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), unit && ` ${unit}`, extra && h('small', {}, extra)));
   const within = (axis) => {
     const { level_error_db: own, level_scatter_db: scatter } = channels[`spindle.${axis}.acceleration`] ?? {};
     const error = own ?? accuracy.level_error_db;
@@ -44,6 +58,7 @@ export function summary(metrics) {
       { class: 'figures' },
       [
         ...['x', 'y', 'z'].map((axis) => of(axis) !== undefined && figure(`Level ${axis}`, level(of(axis)), LEVEL_UNIT, within(axis))),
+        ...headlineFigures(metrics),
         contacts?.inner &&
           figure('Largest ball load', number(Math.max(contacts.inner.max_load_n, contacts.outer.max_load_n)), 'N'),
         contacts?.inner &&

@@ -7,6 +7,7 @@ pub mod messages;
 pub mod metrics;
 pub mod report;
 pub mod signals;
+pub mod spectrum_view;
 pub mod views;
 
 pub mod machine;

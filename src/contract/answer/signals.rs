@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::spectrum_view::SpectrumScaling;
 use crate::contract::json::numbers::rounded;
-use raceway_core::numerics::spectrum::{EnvelopeKind, Spectrum};
+use raceway_core::numerics::spectrum::{EnvelopeKind, HANN_BANDWIDTH, Spectrum};
 use raceway_core::simulation::input::channel::Channel;
 use raceway_core::simulation::result::metrics::SolverReport;
 use raceway_core::simulation::result::series::Series;
@@ -12,7 +13,7 @@ use raceway_core::simulation::result::series::Series;
 /// Highest frequency of stored spectra [Hz]: levels cover 20 kHz.
 const MAX_FREQUENCY: f64 = 25_600.0;
 
-/// A one-sided amplitude spectrum: a sine of amplitude 1 reads 1.
+/// A one-sided spectrum, by default of amplitudes: a sine of amplitude 1 reads 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SpectrumAnswer {
     /// The requested channel.
@@ -20,12 +21,20 @@ pub struct SpectrumAnswer {
     pub channel: String,
     /// Amplitude or envelope spectrum.
     pub kind: SpectrumKind,
+    /// What `amplitude` holds.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub scaling: SpectrumScaling,
     /// Unit of `amplitude`.
     #[schema(example = "m/s²")]
     pub unit: String,
     /// Window function.
     #[schema(example = "hann")]
     pub window: String,
+    /// Noise bandwidth of the window [bins]: a mean square is the sum of amplitude²/2 over it.
+    #[serde(default = "hann_bandwidth")]
+    #[schema(required = true, example = 1.5)]
+    pub window_noise_bandwidth_bins: f64,
     /// Number of time windows whose power is averaged; 1 for at most one second.
     #[schema(example = 1)]
     pub averages: usize,
@@ -40,8 +49,13 @@ pub struct SpectrumAnswer {
     pub damped_above_hz: f64,
     /// Frequencies in ascending order, up to 25.6 kHz [Hz].
     pub frequency_hz: Vec<f64>,
-    /// Amplitude at each frequency, in `unit`, with four digits.
+    /// Value at each frequency, in `unit`, with four digits.
     pub amplitude: Vec<f64>,
+}
+
+/// Noise bandwidth of spectra that were stored without it.
+fn hann_bandwidth() -> f64 {
+    HANN_BANDWIDTH
 }
 
 /// `amplitude`: spectrum of the signal. `envelope`: spectrum of its envelope after a band-pass filter, or of the square of this envelope
@@ -90,7 +104,9 @@ impl SpectrumAnswer {
             channel,
             kind,
             unit,
+            scaling: SpectrumScaling::Amplitude,
             window: spectrum.window.to_owned(),
+            window_noise_bandwidth_bins: HANN_BANDWIDTH,
             averages: spectrum.averages,
             resolution_hz: spectrum.resolution,
             mean_step_s: mean_step,

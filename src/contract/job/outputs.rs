@@ -90,8 +90,8 @@ pub const MAX_CHANNELS: usize = 64;
 /// Limits of the band whose envelope is analysed [Hz].
 pub const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
 /// Numbers of edges of bands, and their limits [Hz].
-const MIN_BAND_EDGES: usize = 2;
-const MAX_BAND_EDGES: usize = 17;
+pub const MIN_BAND_EDGES: usize = 2;
+pub const MAX_BAND_EDGES: usize = 17;
 const BAND_EDGE_LIMITS: [f64; 2] = [1.0, BAND];
 const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 

@@ -64,14 +64,17 @@ mod tests {
     use super::super::compression::compressed;
     use super::*;
     use crate::contract::SpectrumKind;
+    use crate::contract::answer::spectrum_view::SpectrumScaling;
     use crate::contract::json::numbers::rounded;
 
     fn spectrum(amplitude: Vec<f64>) -> SpectrumAnswer {
         SpectrumAnswer {
             channel: "spindle.y.acceleration".into(),
             kind: SpectrumKind::Envelope,
+            scaling: SpectrumScaling::Amplitude,
             unit: "m/s²".into(),
             window: "hann".into(),
+            window_noise_bandwidth_bins: 1.5,
             averages: 3,
             resolution_hz: 10.0,
             mean_step_s: 1.23e-6,

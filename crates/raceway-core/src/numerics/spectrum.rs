@@ -35,7 +35,7 @@ impl Spectrum {
 }
 
 /// Noise bandwidth of the Hann window in bins: the squares of the entries of a line add up to its square times this.
-pub(crate) const HANN_BANDWIDTH: f64 = 1.5;
+pub const HANN_BANDWIDTH: f64 = 1.5;
 
 /// Amplitude spectrum of a signal sampled at `rate` [Hz], mean removed, under a periodic Hann window.
 ///

@@ -8,7 +8,7 @@ use crate::simulation::recording::sampling::BAND;
 /// Band of the velocity by which machines are judged [Hz] (ISO 20816-1).
 pub const SEVERITY_BAND: (f64, f64) = (10.0, 1000.0);
 /// Lowest bin that counts: lower ones hold the mean and drift, which the division by the frequency would raise.
-const LOWEST_BIN: f64 = 2.0;
+pub const LOWEST_BIN: f64 = 2.0;
 
 /// Shortest window whose spectrum resolves a frequency [s].
 pub fn shortest_window(frequency: f64) -> f64 {
