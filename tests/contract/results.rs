@@ -55,6 +55,7 @@ fn a_spectrum_has_scalings_motions_and_bands() {
     assert_eq!(velocity["unit"], "mm/s");
     assert!(numbers(&velocity["frequency_hz"])[0] >= 10.0);
     let bands = server.get(&format!("{path}/bands?edges_hz=300,1800,10000")).json();
+    assert!(bands["bands"].is_array(), "{bands}");
     let metrics = server.get(&format!("{path}/metrics")).json();
     let headline = &metrics["headline"];
     assert_eq!(headline["channel"], "spindle.y.acceleration");

@@ -90,7 +90,9 @@ impl SpectrumAnswer {
     /// The amplitude spectrum of another motion of the same point; bins that integration would spoil are left out. The error names what is wrong.
     pub fn of_quantity(mut self, wanted: SpectrumQuantity) -> Result<Self, String> {
         if self.kind == SpectrumKind::Envelope {
-            return Err("quantity: an envelope has no other quantity; leave it out or ask for kind=amplitude".to_owned());
+            return Err(
+                "quantity: an envelope has no other quantity; leave it out or ask for kind=amplitude".to_owned()
+            );
         }
         let Some(own) = SpectrumQuantity::of(&self.channel) else {
             return Err(format!("quantity: channel `{}` is no displacement, velocity or acceleration", self.channel));
@@ -139,7 +141,9 @@ impl SpectrumAnswer {
         let mut bands = Vec::with_capacity(edges.len().saturating_sub(1));
         for edge in edges {
             if !(lowest..=highest).contains(edge) {
-                return Err(format!("edges_hz: {edge} Hz: must be {lowest} to {highest} Hz, which the spectrum resolves"));
+                return Err(format!(
+                    "edges_hz: {edge} Hz: must be {lowest} to {highest} Hz, which the spectrum resolves"
+                ));
             }
         }
         for ends in edges.windows(2) {

@@ -219,7 +219,7 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
         ["channels", channel, name] if is_channel(channel) && OF_CHANNEL.contains(&name) => {
             Some(MetricsPart::Vibration)
         }
-        ["channels", channel, "rms_g" | "peak_g" | "velocity_10_1000_hz_mm_s"]
+        ["channels", channel, "rms_g" | "peak_g" | "velocity_10_1000_hz_mm_s" | "parseval_ratio"]
             if is_channel(channel) && channel.ends_with("acceleration") =>
         {
             Some(MetricsPart::Vibration)
