@@ -93,7 +93,8 @@ impl OrderedOil {
             ("oil_base", self.base.is_some()),
         ];
         for (name, _) in given.iter().filter(|(_, given)| *given) {
-            defaults.refuse(format!("{AT}/{name}"), "goes with `viscosity_grade`, or with viscosities at 40 and 100 °C");
+            defaults
+                .refuse(format!("{AT}/{name}"), "goes with `viscosity_grade`, or with viscosities at 40 and 100 °C");
         }
     }
 

@@ -51,7 +51,11 @@ fn every_designation_is_a_bearing() {
         let answer = bearing(json!(one.designation));
         let derived = &answer.derived;
         assert_close(derived.dynamic_load_rating_n / one.rating_kn / 1e3, 1.0, 1e-3);
-        assert_close(derived.free_contact_angle_deg, one.contact_angle_deg, if one.contact_angle_deg > 0.0 { 1e-9 } else { 60.0 });
+        assert_close(
+            derived.free_contact_angle_deg,
+            one.contact_angle_deg,
+            if one.contact_angle_deg > 0.0 { 1e-9 } else { 60.0 },
+        );
         assert_eq!(derived.designation.as_ref().unwrap().source, one.source);
     }
 }
@@ -90,7 +94,8 @@ fn unknown_designations_are_refused() {
 /// 6205 with 8 µm on a solid shaft: C3 has 13 to 28 µm, and 0.804 of the interference is lost.
 #[test]
 fn clearance_is_the_group_less_fit_and_temperature() {
-    let answer = bearing(json!({"preset": "6205", "radial_clearance_group": "C3", "fits": {"shaft_interference_um": 10},
+    let answer =
+        bearing(json!({"preset": "6205", "radial_clearance_group": "C3", "fits": {"shaft_interference_um": 10},
         "temperatures": {"inner_ring_c": 30, "balls_c": 20}}));
     let clearance = answer.derived.clearance.unwrap();
     assert_eq!((clearance.limits_um, clearance.unmounted_um), ([13.0, 28.0], 20.5));
@@ -188,7 +193,8 @@ fn an_oil_has_the_viscosity_of_its_grade() {
 
 #[test]
 fn an_oil_may_be_given_by_two_viscosities() {
-    let given = json!({"viscosity_40_mm2_s": 120, "viscosity_100_mm2_s": 12, "density_15_kg_m3": 900, "temperature_c": 80});
+    let given =
+        json!({"viscosity_40_mm2_s": 120, "viscosity_100_mm2_s": 12, "density_15_kg_m3": 900, "temperature_c": 80});
     let oil = lubricant(given).derived.oil.unwrap();
     assert_close(oil.kinematic_viscosity_mm2_s, 21.55, 0.005);
     assert_close(oil.density_kg_m3, 857.75, 1e-9);

@@ -264,7 +264,8 @@ mod tests {
 
     #[test]
     fn groups_over_24_to_30_mm_are_those_of_the_standard() {
-        let groups = [ClearanceGroup::C2, ClearanceGroup::Cn, ClearanceGroup::C3, ClearanceGroup::C4, ClearanceGroup::C5];
+        let groups =
+            [ClearanceGroup::C2, ClearanceGroup::Cn, ClearanceGroup::C3, ClearanceGroup::C4, ClearanceGroup::C5];
         let expected = [[1.0, 11.0], [5.0, 20.0], [13.0, 28.0], [23.0, 41.0], [30.0, 53.0]];
         assert_eq!(groups.map(|group| limits_um(group, 25.0)), expected.map(Some));
         assert_eq!(groups.map(|group| limits_um(group, 30.0)), expected.map(Some));
