@@ -17,6 +17,10 @@ pub fn mount(
 ) -> Option<OperatingClearance> {
     let named = own.radial_clearance_group.take().map(ClearanceGroupName::in_physics);
     let (fits, temperatures) = (own.fits.take(), own.temperatures.take());
+    if defaults.is_substituted() {
+        // The sizes are those of another bearing.
+        return None;
+    }
     let given = [("radial_clearance_um", own.radial_clearance_um), ("contact_angle_deg", own.contact_angle_deg)];
     let other = given.iter().find_map(|(name, value)| value.map(|_| *name));
     if let (Some(_), Some(other)) = (named, other) {

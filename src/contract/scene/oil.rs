@@ -75,6 +75,11 @@ impl OrderedOil {
         }
         let (grade, oil) = oil.filter(|_| defaults.errors.len() == known_errors)?;
         let oil = Oil { density_15: self.density_15.unwrap_or(oil.density_15), ..oil };
+        if !oil.kinematic_viscosity(temperature).is_finite() {
+            let detail = format!("{} °C: the oil has no finite viscosity there", short(temperature));
+            defaults.refuse(format!("{AT}/temperature_c"), detail);
+            return None;
+        }
         Some(OilAtTemperature {
             grade,
             oil,

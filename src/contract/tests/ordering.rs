@@ -228,6 +228,15 @@ fn oils_that_do_not_fit_are_refused() {
     check(rising, "/viscosity_100_mm2_s", "must be below the viscosity at 40 °C, 46 mm²/s");
 }
 
+/// A bearing that cannot be built has no errors of its group.
+#[test]
+fn a_missing_size_is_the_only_error() {
+    let errors = refused(json!({"ball_count": 9, "radial_clearance_group": "C3"}), json!("grease"));
+    assert!(errors.iter().all(|error| error.contains("required, but missing")), "{errors:?}");
+    let thick = json!({"viscosity_40_mm2_s": 10_000, "viscosity_100_mm2_s": 0.5, "temperature_c": -50});
+    assert_refused(json!("6205"), thick, "lubricant/temperature_c", "no finite viscosity");
+}
+
 /// What resolving prints is the same work.
 #[test]
 fn ordered_scenes_resolve_to_themselves() {
