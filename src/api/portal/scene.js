@@ -3,7 +3,7 @@
 
 import { h, select } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
-import { field, Fields, focusFirstError, idOf, ownDimensions, readNumber, textInput } from './form.js';
+import { field, Fields, focusFirstError, idOf, offered, ownDimensions, readNumber, textInput } from './form.js';
 import { number, PAIR, pairOf, plainNumber, words } from './format.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
@@ -28,9 +28,7 @@ export class SceneForm {
   show(job) {
     this.job = job;
     const { bearing } = job.scene ?? {};
-    const name = typeof bearing === 'string' ? bearing : (bearing?.preset ?? '');
-    this.#offer(name);
-    this.preset.value = name;
+    this.preset.value = offered(this.preset, typeof bearing === 'string' ? bearing : (bearing?.preset ?? ''));
     const changed = typeof bearing === 'object' && bearing?.preset;
     this.presetNote.textContent = !this.preset.value
       ? 'All dimensions are entered below.'
@@ -115,12 +113,6 @@ export class SceneForm {
     this.#fields.giveUp();
     this.#update(write(this.job, BEARING, name));
     this.designation.value = '';
-  }
-
-  /** Adds a designation to the choice of bearings. */
-  #offer(name) {
-    if ([...this.preset.options].some((option) => option.value === name)) return;
-    this.preset.add(h('option', { value: name }, name), this.preset.options.length - 1);
   }
 
   #choosePreset() {
