@@ -27,7 +27,7 @@ fn lubricant(lubricant: Value) -> ResolveAnswer {
 
 /// The errors of a scene, each as pointer and text.
 fn refused(bearing: Value, lubricant: Value) -> Vec<String> {
-    match parse_job(request(&bearing, &lubricant).to_string().as_bytes()) {
+    match parse_scene_request(request(&bearing, &lubricant).to_string().as_bytes()) {
         Err(Refusal::Invalid { errors }) => {
             errors.iter().map(|error| format!("{}: {}", error.pointer, error.detail)).collect()
         }
@@ -248,9 +248,9 @@ fn ordered_scenes_resolve_to_themselves() {
             "housing_interference_um": 4, "housing_outer_diameter_mm": 120}, "temperatures": {"inner_ring_c": 65.4, "outer_ring_c": 50}}),
     ];
     for bearing in bearings {
-        let first = parse_job(request(&bearing, &oil).to_string().as_bytes()).unwrap();
+        let first = parse_scene_request(request(&bearing, &oil).to_string().as_bytes()).unwrap();
         let again = json!({"scene": first.scene_json()}).to_string();
-        let second = parse_job(again.as_bytes()).unwrap();
+        let second = parse_scene_request(again.as_bytes()).unwrap();
         assert_eq!((first.scene(), first.canonical()), (second.scene(), second.canonical()));
     }
 }
