@@ -171,7 +171,7 @@ async function orderedByName(page) {
   await page.getByText('Clearance, group C3').waitFor();
   await page.getByText('Catalogue, 6206').waitFor();
   await field(page, '/scene/bearing/fits/shaft_interference_um').fill('10');
-  await page.waitForFunction(() => document.body.textContent.includes('Taken by shaft fit'));
+  await page.waitForFunction(() => document.body.textContent.includes('Shaft fit'));
   await field(page, '/scene/lubricant/viscosity_grade').selectOption('iso-vg-46');
   await page.locator('#f-scene-lubricant-temperature_c-error').filter({ hasText: 'required' }).waitFor();
   await field(page, '/scene/lubricant/temperature_c').fill('80');

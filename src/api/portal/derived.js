@@ -85,9 +85,9 @@ function orderedParts({ clearance, oil, designation }, rows) {
         `Clearance, group ${clearance.group}`,
         rows([
           ['Unmounted', clearance.unmounted_um, 'µm'],
-          ['Taken by shaft fit', clearance.shaft_fit_um, 'µm'],
-          ['Taken by housing fit', clearance.housing_fit_um, 'µm'],
-          ['Taken by temperature', clearance.temperature_um, 'µm'],
+          ['Shaft fit', -clearance.shaft_fit_um, 'µm'],
+          ['Housing fit', -clearance.housing_fit_um, 'µm'],
+          ['Temperature', -clearance.temperature_um, 'µm'],
           ['In operation', clearance.operating_um, 'µm'],
         ]),
       ),
