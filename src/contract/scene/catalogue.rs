@@ -25,6 +25,7 @@ pub struct CatalogueEntry {
     /// Series.
     #[schema(example = "62")]
     pub series: &'static str,
+    /// Deep-groove or angular-contact.
     #[serde(rename = "type")]
     pub kind: BearingType,
     /// Bore [mm].
