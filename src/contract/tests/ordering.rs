@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
-use crate::contract::scene::catalogue::{CatalogueSearch, catalogue_answer};
+use crate::contract::scene::catalogue::{CatalogueSearch, ConfidenceName, catalogue_answer};
 use crate::contract::{Refusal, ResolveAnswer, parse_job, parse_scene_request, resolve_answer};
 use raceway_core::physics::catalogue;
+use raceway_core::physics::rating::dynamic_load_rating;
 
 fn request(bearing: &Value, lubricant: &Value) -> Value {
     json!({"scene": {"bearing": bearing, "lubricant": lubricant,
@@ -48,16 +49,19 @@ fn assert_close(value: f64, expected: f64, tolerance: f64) {
 #[test]
 fn every_designation_is_a_bearing() {
     for one in catalogue::bearings() {
-        let answer = bearing(json!(one.designation));
-        let derived = &answer.derived;
-        assert_close(derived.dynamic_load_rating_n / one.rating_kn / 1e3, 1.0, 1e-3);
-        assert_close(
-            derived.free_contact_angle_deg,
-            one.contact_angle_deg,
-            if one.contact_angle_deg > 0.0 { 1e-9 } else { 60.0 },
-        );
-        assert_eq!(derived.designation.as_ref().unwrap().source, one.source);
+        let body = request(&json!(one.designation), &json!("grease")).to_string();
+        let job =
+            parse_scene_request(body.as_bytes()).unwrap_or_else(|refusal| panic!("{}: {refusal}", one.designation));
+        let bearing = &job.scene().unwrap().bearing;
+        assert_close(dynamic_load_rating(bearing) / one.rating_kn / 1e3, 1.0, 1e-3);
+        if one.contact_angle_deg > 0.0 {
+            assert_close(bearing.free_contact_angle.to_degrees(), one.contact_angle_deg, 1e-9);
+        }
     }
+    let derived = bearing(json!("6309")).derived;
+    let designation = derived.designation.unwrap();
+    assert_eq!((designation.source.as_str(), designation.confidence), ("ratings JTEKT", ConfidenceName::Medium));
+    assert!(designation.note.contains("17.462"));
 }
 
 #[test]
