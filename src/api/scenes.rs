@@ -70,7 +70,7 @@ pub async fn presets(headers: HeaderMap, _: Query<NoQuery>) -> Result<Json<Prese
 #[into_params(parameter_in = Query)]
 pub struct CatalogueQuery {
     /// Series, such as `62`, `160` or `718`.
-    #[param(example = "62")]
+    #[param(example = "62", pattern = r"^[^\u0000]*$")]
     series: Option<String>,
     /// Bore [mm].
     #[param(minimum = 0, example = 25.0)]
@@ -79,7 +79,7 @@ pub struct CatalogueQuery {
     #[param(minimum = 0, example = 12.0)]
     min_c_kn: Option<f64>,
     /// Text in the designation, without regard to case.
-    #[param(example = "6205")]
+    #[param(example = "6205", pattern = r"^[^\u0000]*$")]
     q: Option<String>,
 }
 
