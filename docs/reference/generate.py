@@ -22,6 +22,7 @@ ANSWERS = {
     "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
     "MachineJobAnswer": "`GET /v1/jobs/{id}/machine`",
+    "CatalogueAnswer": "`GET /v1/catalogue`",
 }
 # Parts that another page describes.
 ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",

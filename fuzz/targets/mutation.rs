@@ -7,7 +7,7 @@ use raceway::contract::parse_job;
 use serde_json::{Map, Number, Value, json};
 
 /// Valid jobs, with which the corpus begins.
-const SEEDS: [&str; 12] = [
+const SEEDS: [&str; 13] = [
     include_str!("../corpus/job/accuracy.json"),
     include_str!("../corpus/job/angular.json"),
     include_str!("../corpus/job/article.json"),
@@ -15,6 +15,7 @@ const SEEDS: [&str; 12] = [
     include_str!("../corpus/job/everything.json"),
     include_str!("../corpus/job/fixed-step.json"),
     include_str!("../corpus/job/optimum.json"),
+    include_str!("../corpus/job/ordered.json"),
     include_str!("../corpus/job/planar.json"),
     include_str!("../corpus/job/profile.json"),
     include_str!("../corpus/job/reduced.json"),

@@ -26,7 +26,7 @@ use super::routes::document;
 use super::stored_answer::{CSV, JSON, NPY, SVG};
 use super::submission_headers::{idempotency_key, preferred_wait};
 use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
-use super::{conditional, error_layers, plots, portal};
+use super::{conditional, error_layers, plots, portal, scenes};
 use crate::contract::answer::spectrum_view::SpectrumScaling;
 use crate::contract::{
     SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
@@ -94,6 +94,7 @@ fn router() -> Router {
         .route("/v1/series", get(without_job).post(upload_series))
         .route("/v1/series/{hash}", get(uploaded).delete(uploaded))
         .route("/v1/scenes/resolve", post(resolve))
+        .route("/v1/catalogue", get(scenes::catalogue))
         .route("/portal/{*file}", get(portal::file));
     for result in ["metrics", "channels", "accuracy", "optimum", "rotor", "machine"] {
         router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(with_job));

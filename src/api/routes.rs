@@ -37,6 +37,7 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .merge(result_routes(app))
         .routes(routes!(scenes::resolve))
         .routes(routes!(scenes::presets))
+        .routes(routes!(scenes::catalogue))
         .routes(routes!(uploaded_series::upload, uploaded_series::list))
         .routes(routes!(uploaded_series::show, uploaded_series::delete))
         .routes(routes!(rotor::analyse))

@@ -35,6 +35,7 @@ pub use job::study::Study;
 pub use json::problem::{FieldError, Refusal};
 pub use json::uploads::{Uploads, is_content_hash, named_series};
 pub use run::{Outcome, Simulated, execute, execute_point, execute_rotor, execute_simulation, scene_from_json};
+pub use scene::catalogue::{CatalogueAnswer, CatalogueSearch, catalogue_answer};
 pub use scene::presets::presets_answer;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! `POST /v1/scenes/resolve`, `GET /v1/presets`.
+//! `POST /v1/scenes/resolve`, `GET /v1/presets`, `GET /v1/catalogue`.
 
 use serde_json::json;
 
@@ -59,5 +59,20 @@ fn presets_are_listed() {
     let presets = start().get("/v1/presets").json();
     for pointer in ["/bearings/article-integrated", "/bearings/6205", "/materials/gcr15", "/lubricants/grease"] {
         assert!(presets.pointer(pointer).is_some(), "{pointer}");
+    }
+}
+
+#[test]
+fn the_catalogue_is_searched() {
+    let server = start();
+    let found = server.get("/v1/catalogue?series=62&bore_mm=25").json();
+    assert_eq!(found["count"], 1);
+    let bearing = &found["bearings"][0];
+    assert_eq!((&bearing["designation"], &bearing["confidence"]), (&"6205".into(), &"high".into()));
+    assert_eq!(bearing["frequencies"]["bpfo"], 3.585);
+    assert_eq!(server.get("/v1/catalogue").json()["count"], 394);
+    assert_eq!(server.get("/v1/catalogue?q=nothing").json()["count"], 0);
+    for query in ["bore_mm=NaN", "min_c_kn=inf", "bore_mm=-1", "bore_mm=x", "unknown=1", "q=1&q=2"] {
+        server.get(&format!("/v1/catalogue?{query}")).problem(400);
     }
 }

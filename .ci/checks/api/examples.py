@@ -98,6 +98,7 @@ def recorded(running):
     running.ended(long)
     examples["resolveScene"] = {"200": answer("POST", "/v1/scenes/resolve", {"scene": SCENE})}
     examples["listPresets"] = {"200": answer("GET", "/v1/presets")}
+    examples["searchCatalogue"] = {"200": answer("GET", "/v1/catalogue?series=62&bore_mm=25")}
     series = answer("POST", "/v1/series", {"rate_hz": 1000, "values": [0, 12.5, 20, 12.5, 0]})
     examples["uploadSeries"] = {"201": series}
     examples["showSeries"] = {"200": answer("GET", f"/v1/series/{series['hash']}")}

@@ -10,7 +10,7 @@ from raceway_client.api.jobs import list_jobs, show_job, submit_job
 from raceway_client.api.results import get_metrics, get_plot, get_spectrum
 from raceway_client.api.scenes import resolve_scene
 from raceway_client.models import (
-    BearingName, JobAnswer, JobKindName, JobList, Metrics, OperationInput, Problem, ResolveAnswer, SceneInput, SceneRequest,
+    JobAnswer, JobKindName, JobList, Metrics, OperationInput, Problem, ResolveAnswer, SceneInput, SceneRequest,
     SimulationJob, SimulationJobKind, SpectrumAnswer, StatusName,
 )
 
@@ -23,7 +23,7 @@ def of(kind, answer):
 
 
 def scene(speed_rpm):
-    return SceneInput(bearing=BearingName("6205"), operation=OperationInput(speed_rpm=speed_rpm, radial_load_y_n=500))
+    return SceneInput(bearing="6205", operation=OperationInput(speed_rpm=speed_rpm, radial_load_y_n=500))
 
 
 def simulation(speed_rpm):

@@ -161,6 +161,29 @@ const ofShaft = (page, pointer) => page.locator(`#s${pointer.replaceAll('/', '-'
 const shaftRequest = async (page) => JSON.parse(await page.locator('#shaft-json').inputValue());
 const tab = (page, name) => page.locator(`#tab-${name}`).click();
 
+/** A designation with a clearance group, a shaft fit and an oil by grade give the numbers that `resolve` shows. */
+async function orderedByName(page) {
+  const designation = page.getByLabel('Designation');
+  await designation.focus();
+  await page.waitForFunction(() => document.querySelectorAll('#designations option').length === 394);
+  await designation.fill('6206-2RS/C3');
+  await designation.press('Tab');
+  await page.getByText('Clearance, group C3').waitFor();
+  await page.getByText('Catalogue, 6206').waitFor();
+  await field(page, '/scene/bearing/fits/shaft_interference_um').fill('10');
+  await page.waitForFunction(() => document.body.textContent.includes('Shaft fit'));
+  await field(page, '/scene/lubricant/viscosity_grade').selectOption('iso-vg-46');
+  await page.locator('#f-scene-lubricant-temperature_c-error').filter({ hasText: 'required' }).waitFor();
+  await field(page, '/scene/lubricant/temperature_c').fill('80');
+  await page.getByText('10.89').waitFor();
+  await picture(page, 'ordered');
+  await accessible(page, 'a bearing by designation');
+  await designation.fill('7206');
+  await designation.press('Tab');
+  await page.locator('#preset-error').filter({ hasText: '7206A' }).waitFor();
+  ok('a designation, a clearance group and an oil go by name');
+}
+
 async function fromPresetToPlot(page) {
   await page.locator('.drawing svg').waitFor();
   await page.selectOption('#preset', 'article-integrated');
@@ -797,11 +820,11 @@ try {
   await troubles(page, context);
   assert.deepEqual(faults, [], 'nothing in the console, no other host');
   await context.close();
-  {
+  for (const part of [orderedByName, surfaces]) {
     const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === '/v1/scenes/resolve');
     await page.goto(service.url);
     await page.locator('.drawing svg').waitFor();
-    await surfaces(page);
+    await part(page);
     assert.deepEqual(faults, []);
     await context.close();
   }

@@ -63,6 +63,7 @@ export function showDerived(host, resolved) {
           ['Clearance', derived.radial_clearance_um, 'µm'],
         ]),
       ),
+      ...orderedParts(derived, rows),
     ),
     ...messageList(resolved.messages),
     ...unitWarnings(resolved.warnings),
@@ -73,6 +74,39 @@ export function showDerived(host, resolved) {
       leftOut(resolved.left_out),
     ),
   );
+}
+
+/** How clearance and viscosity follow from group, fits, temperatures and grade, and where the balls are from. */
+function orderedParts({ clearance, oil, designation }, rows) {
+  const part = (title, ...content) => h('div', {}, h('h3', {}, title), ...content);
+  return [
+    clearance &&
+      part(
+        `Clearance, group ${clearance.group}`,
+        rows([
+          ['Unmounted', clearance.unmounted_um, 'µm'],
+          ['Shaft fit', -clearance.shaft_fit_um, 'µm'],
+          ['Housing fit', -clearance.housing_fit_um, 'µm'],
+          ['Temperature', -clearance.temperature_um, 'µm'],
+          ['In operation', clearance.operating_um, 'µm'],
+        ]),
+      ),
+    oil &&
+      part(
+        oil.grade ? words(oil.grade.toUpperCase()) : 'Oil',
+        rows([
+          ['Temperature', oil.temperature_c, '°C'],
+          ['Kinematic viscosity', oil.kinematic_viscosity_mm2_s, 'mm²/s'],
+          ['Density', oil.density_kg_m3, 'kg/m³'],
+        ]),
+      ),
+    designation &&
+      part(
+        `Catalogue, ${designation.designation}`,
+        h('p', { class: 'note' }, `Balls: ${designation.source}. Confidence: ${designation.confidence}.`),
+        designation.note && h('p', { class: 'note' }, `${designation.note}.`),
+      ),
+  ].filter(Boolean);
 }
 
 /** Axis of the largest part of a direction. */

@@ -37,6 +37,9 @@ export const GROUPS = [
         from: 0,
         derived: '/derived/radial_clearance_um',
       }),
+      field('/scene/bearing/radial_clearance_group', 'Clearance group', '', '', { choices: true, derived: '/derived/clearance/group' }),
+      field('/scene/bearing/fits/shaft_interference_um', 'Shaft interference', '', 'µm', { fixed: true }),
+      field('/scene/bearing/fits/housing_interference_um', 'Housing interference', '', 'µm', { fixed: true }),
       field('/scene/bearing/contact_angle_deg', 'Contact angle', 'α', '°', {
         range: [5, 30],
         derived: '/derived/free_contact_angle_deg',
@@ -65,6 +68,8 @@ export const GROUPS = [
     open: true,
     fields: [
       field('/scene/lubricant', 'Lubricant', '', '', { lubricants: true, wide: true }),
+      field('/scene/lubricant/viscosity_grade', 'Oil, or base oil', '', '', { choices: true, derived: '/derived/oil/grade' }),
+      field('/scene/lubricant/temperature_c', 'Oil temperature', 'T', '°C', { fixed: true, derived: '/derived/oil/temperature_c' }),
       field('/scene/lubricant/viscosity_pa_s', 'Viscosity', 'η', 'Pa·s'),
       field('/scene/lubricant/fill', 'Fill', 'X', ''),
     ],

@@ -17,6 +17,13 @@ const REQUIRED = [
 /** The required dimensions of a bearing, as the start of one without preset. */
 export const ownDimensions = (bearing) => Object.fromEntries(REQUIRED.map((name) => [name, bearing[name]]));
 
+/** Adds a designation of the catalogue to a choice of bearings, before the last one; returns it. */
+export function offered(select, name) {
+  const isKnown = [...select.options].some((option) => option.value === name);
+  if (!isKnown) select.add(h('option', { value: name }, name), select.options.length - 1);
+  return name;
+}
+
 /** Id of the field of a pointer; `form`: a letter of the form. */
 export const idOf = (form, pointer) => `${form}${pointer.replaceAll('/', '-')}`;
 

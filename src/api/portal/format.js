@@ -67,7 +67,7 @@ const UNIT = new RegExp(`_(${Object.keys(UNITS).join('|')})$`);
 /** The fields of a preset that a request changes; the first two by name. */
 function changes(fields) {
   const changed = Object.entries(fields).map(([name, value]) =>
-    typeof value === 'number' ? `${words(name.replace(UNIT, ''))} ${quantity(value, UNITS[name.match(UNIT)?.[1]])}` : words(name),
+    name === 'radial_clearance_group' ? `clearance ${value}` : typeof value === 'number' ? `${words(name.replace(UNIT, ''))} ${quantity(value, UNITS[name.match(UNIT)?.[1]])}` : words(name),
   );
   return changed.length > 2 ? [...changed.slice(0, 2), `${changed.length - 2} more`] : changed;
 }
@@ -114,7 +114,7 @@ export function title(request) {
     load && quantity(load, 'N'),
     operation.axial_load_n && `${quantity(operation.axial_load_n, 'N')} axial`,
     spindle.balance_grade && `G\u00a0${number(spindle.balance_grade)}`,
-    lubricant && (lubricant.kind ?? lubricant),
+    lubricant && (lubricant.viscosity_grade ?? lubricant.kind ?? (typeof lubricant === 'string' ? lubricant : 'oil')),
     surfaces && surfacesTitle(surfaces),
   ];
   const varied = (axes ?? []).map(

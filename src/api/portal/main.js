@@ -77,7 +77,8 @@ async function start() {
   api.features.events = Boolean(document_.paths['/v1/jobs/{id}/events']);
   api.features.plots = JSON.stringify(document_.paths['/v1/jobs/{id}/plots/{file}'] ?? '');
 
-  const form = new SceneForm(at('fields'), { document: document_, presets, onChange: change, compare: compareSurfaces });
+  const catalogue = () => api.get('/v1/catalogue');
+  const form = new SceneForm(at('fields'), { document: document_, presets, onChange: change, compare: compareSurfaces, catalogue });
   const result = new Result(at('panel-result'), { say, onEnd: ended, rerun: (request) => run(request), edit });
   const panels = { document: document_, request: () => state.job, resolved: () => state.resolved, say };
   const slider = new Slider(at('panel-slider'), {

@@ -3,7 +3,7 @@
 
 import { h, select } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
-import { field, Fields, focusFirstError, idOf, ownDimensions, readNumber, textInput } from './form.js';
+import { field, Fields, focusFirstError, idOf, offered, ownDimensions, readNumber, textInput } from './form.js';
 import { number, PAIR, pairOf, plainNumber, words } from './format.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
@@ -13,13 +13,14 @@ const BEARING = '/scene/bearing';
 export class SceneForm {
   #fields = new Fields();
 
-  /** `onChange(job)` gets every changed request; `compare()` runs the scene with and without its surfaces. */
-  constructor(host, { document, presets, onChange, compare }) {
-    Object.assign(this, { host, document, presets, onChange });
+  /** `onChange(job)` gets every changed request; `compare()` runs the scene with and without its surfaces; `catalogue()` gives the bearings
+   *  of the catalogue. */
+  constructor(host, { document, presets, onChange, compare, catalogue }) {
+    Object.assign(this, { host, document, presets, onChange, catalogue });
     // A request from outside and one from the surfaces show alike.
     this.surfaces = new SurfacesForm({ document, presets, onChange: (job) => this.#update(job), compare });
     const groups = GROUPS.map((group) => this.#group(group));
-    host.replaceChildren(this.#bearing(), ...groups.slice(0, -1), this.surfaces.element, ...groups.slice(-1));
+    host.replaceChildren(this.#bearing(), this.#designation(), ...groups.slice(0, -1), this.surfaces.element, ...groups.slice(-1));
     host.addEventListener('focusin', (event) => this.#explain(event.target));
   }
 
@@ -27,11 +28,11 @@ export class SceneForm {
   show(job) {
     this.job = job;
     const { bearing } = job.scene ?? {};
-    this.preset.value = typeof bearing === 'string' ? bearing : (bearing?.preset ?? '');
+    this.preset.value = offered(this.preset, typeof bearing === 'string' ? bearing : (bearing?.preset ?? ''));
     const changed = typeof bearing === 'object' && bearing?.preset;
     this.presetNote.textContent = !this.preset.value
       ? 'All dimensions are entered below.'
-      : `${this.presets.bearings[this.preset.value]?.description ?? ''}${changed ? '; with changes below' : ''}`;
+      : `${this.presets.bearings[this.preset.value]?.description ?? 'bearing of the catalogue'}${changed ? '; with changes below' : ''}`;
     for (const spec of FIELDS) {
       const { input } = this.#fields.get(spec.pointer);
       const value = this.#requested(spec);
@@ -81,6 +82,37 @@ export class SceneForm {
     preset.element.classList.add('preset');
     preset.element.append(this.presetNote);
     return this.#fields.add(BEARING, preset);
+  }
+
+  /** A field for designations, with those of the catalogue as suggestions. They are fetched when the field is first used. */
+  #designation() {
+    this.suggestions = h('datalist', { id: 'designations' });
+    this.designation = h('input', { type: 'text', list: 'designations', autocomplete: 'off', spellcheck: 'false', maxlength: '40' });
+    this.designation.addEventListener('focus', () => this.#suggest(), { once: true });
+    this.designation.addEventListener('change', () => this.#chooseDesignation());
+    const help = 'A bearing of the catalogue, with suffixes if you like: 6206-2RS/C3, 7008C. C2 to C5 set the clearance group.';
+    const one = field({ id: 'designation', label: 'Designation', input: this.designation, help, isWide: true });
+    one.element.append(this.suggestions);
+    return one.element;
+  }
+
+  async #suggest() {
+    try {
+      const { bearings } = await this.catalogue();
+      const size = (one) => [one.bore_mm, one.outer_diameter_mm, one.width_mm].map(plain).join(' × ');
+      const text = (one) => `${size(one)} mm, C ${plain(one.c_iso281_kn)} kN, ${one.confidence} confidence`;
+      this.suggestions.replaceChildren(...bearings.map((one) => h('option', { value: one.designation }, text(one))));
+    } catch {
+      // A designation can be typed without suggestions.
+    }
+  }
+
+  #chooseDesignation() {
+    const name = this.designation.value.trim();
+    if (!name) return;
+    this.#fields.giveUp();
+    this.#update(write(this.job, BEARING, name));
+    this.designation.value = '';
   }
 
   #choosePreset() {

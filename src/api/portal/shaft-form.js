@@ -2,7 +2,7 @@
 
 import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
-import { field, Fields, focusFirstError, idOf, openAround, ownDimensions, textInput } from './form.js';
+import { field, Fields, focusFirstError, idOf, offered, openAround, ownDimensions, textInput } from './form.js';
 import { read, write } from './request.js';
 import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE } from './shaft-lists.js';
 import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, without } from './shaft-request.js';
@@ -218,7 +218,7 @@ export class ShaftForm {
     const input = select([...Object.keys(this.presets.bearings).map((name) => [name, name]), [OWN, 'own dimensions']], choose);
     return this.#registered(pointer, input, {
       label: 'Bearing',
-      ofValue: (value) => (typeof value === 'string' ? value : (value?.preset ?? OWN)),
+      ofValue: (value) => offered(input, typeof value === 'string' ? value : (value?.preset ?? OWN)),
     });
   }
 

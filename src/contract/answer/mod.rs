@@ -25,6 +25,7 @@ pub mod uncertainty;
 pub mod failure;
 
 pub mod envelope;
+pub mod ordered;
 pub mod resolve;
 pub mod resonance;
 pub mod surfaces;

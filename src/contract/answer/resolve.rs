@@ -6,6 +6,7 @@ use utoipa::ToSchema;
 
 use super::loads::{LoadAnswer, loads};
 use super::messages::{self, MessageAnswer};
+use super::ordered::{self, ClearanceAnswer, DesignationAnswer, OilAnswer};
 use super::report::{FrequenciesAnswer, LeftOutAnswer};
 use super::resonance::ResonanceAnswer;
 use super::surfaces::SurfacesAnswer;
@@ -123,6 +124,18 @@ pub struct DerivedAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub frequencies_loaded_inner_control_hz: Option<FrequenciesAnswer>,
+    /// The bearing of the catalogue; absent where no designation is given. The presets of `GET /v1/presets` keep their own numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub designation: Option<DesignationAnswer>,
+    /// How the clearance follows from its group; absent where no group is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub clearance: Option<ClearanceAnswer>,
+    /// The oil; absent where neither grade nor kinematic viscosities are given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub oil: Option<OilAnswer>,
     /// Each of `operation.loads`; absent without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loads: Vec<LoadAnswer>,
@@ -187,9 +200,12 @@ pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
             loads: loads(base.scene()),
             surfaces: SurfacesAnswer::of(base.scene(), &base.terms),
             resonances: resonances(base),
+            designation: DesignationAnswer::of(&base.resolved),
+            clearance: base.resolved.ordered.clearance.as_ref().map(ClearanceAnswer::from),
+            oil: base.resolved.ordered.oil.as_ref().map(OilAnswer::from),
             ..derived(base.scene(), at_rest.as_ref(), loaded_frequencies(base.scene(), &base.terms).ok().flatten())
         },
-        warnings: unit_warnings::warnings(base, at_rest.as_ref()),
+        warnings: [ordered::warnings(&base.resolved), unit_warnings::warnings(base, at_rest.as_ref())].concat(),
     })
 }
 
@@ -239,6 +255,9 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         frequencies_hz: ideal_frequencies(bearing, scene.operating_speeds()).into(),
         frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
         frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
+        designation: None,
+        clearance: None,
+        oil: None,
         loads: Vec::new(),
         surfaces: None,
         resonances: Vec::new(),

@@ -76,7 +76,6 @@ pub const KINDS: [Kind; 4] = [
             "/scene/bearing/cage/rim_angle_deg",
             "/scene/bearing/cage/friction",
             "/scene/bearing/cage/friction_speed_m_s",
-            "/scene/lubricant/kind",
             "/scene/damping/raceway/law",
             "/scene/terms/*",
             "/solver/method",

@@ -46,6 +46,11 @@ impl Defaults {
         self.has_substitute = true;
     }
 
+    /// Whether another bearing replaces the requested one.
+    pub fn is_substituted(&self) -> bool {
+        self.has_substitute
+    }
+
     /// The field's value. An empty field gets its default and keeps it.
     pub fn fill<T: Clone>(&mut self, pointer: impl Into<String>, field: &mut Option<T>, default: T) -> T {
         if field.is_none() {

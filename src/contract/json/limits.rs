@@ -32,7 +32,7 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
 
 /// Limits of fields of the job.
-const OF_A_JOB: [FieldLimits; 13] = [
+const OF_A_JOB: [FieldLimits; 26] = [
     DURATION,
     from("/settle_s", 0.0, 1000.0, "s"),
     from("/priority", 1.0, 4.0, ""),
@@ -43,6 +43,19 @@ const OF_A_JOB: [FieldLimits; 13] = [
     from("/solver/model_tolerance_db", 0.0, 20.0, "dB"),
     from("/solver/fixed_step_us", 1e-3, 1e3, "µs"),
     from("/scene/operation/loads/at_mm", 0.0, 4e6, "mm"),
+    from("/scene/bearing/fits/shaft_interference_um", -1000.0, 1000.0, "µm"),
+    from("/scene/bearing/fits/shaft_bore_mm", 0.0, 10_000.0, "mm"),
+    from("/scene/bearing/fits/housing_interference_um", -1000.0, 1000.0, "µm"),
+    from("/scene/bearing/fits/housing_outer_diameter_mm", 0.1, 100_000.0, "mm"),
+    from("/scene/bearing/temperatures/inner_ring_c", -100.0, 400.0, "°C"),
+    from("/scene/bearing/temperatures/balls_c", -100.0, 400.0, "°C"),
+    from("/scene/bearing/temperatures/outer_ring_c", -100.0, 400.0, "°C"),
+    from("/scene/bearing/temperatures/ring_expansion_per_k", 0.0, 1e-4, "1/K"),
+    from("/scene/bearing/temperatures/ball_expansion_per_k", 0.0, 1e-4, "1/K"),
+    from("/scene/lubricant/temperature_c", -50.0, 200.0, "°C"),
+    from("/scene/lubricant/viscosity_40_mm2_s", 2.0, 10_000.0, "mm²/s"),
+    from("/scene/lubricant/viscosity_100_mm2_s", 0.5, 5000.0, "mm²/s"),
+    from("/scene/lubricant/density_15_kg_m3", 500.0, 2500.0, "kg/m³"),
     from("/outputs/orders/max_order", 0.1, 1e6, ""),
     from("/outputs/orders/turns_per_block", 1.0, 1e6, ""),
     from("/outputs/orders/overlap", 0.0, 0.9, ""),

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::cage::CageInput;
 use super::material::MaterialsInput;
+use super::mounting::{ClearanceGroupName, FitsInput, TemperaturesInput};
 use super::preset_names::BearingName;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::short;
@@ -18,7 +19,8 @@ use raceway_core::physics::material::Material;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BearingInput {
-    /// Name of a preset of `GET /v1/presets` to start from.
+    /// Preset of `GET /v1/presets` or designation of `GET /v1/catalogue` to start from, such as `6206-2RS/C3`. A suffix C2 to C5 sets the
+    /// clearance group.
     #[schema(nullable = false, value_type = Option<BearingName>, example = "article-integrated")]
     pub preset: Option<String>,
     /// Default `deep_groove`.
@@ -55,6 +57,19 @@ pub struct BearingInput {
     /// bore; for `angular_contact` a contact angle of 15°.
     #[schema(nullable = false, example = 5.0)]
     pub radial_clearance_um: Option<f64>,
+    /// Clearance group of an unmounted deep-groove bearing, instead of `radial_clearance_um`: the middle of the group for the bore, less what
+    /// `fits` and `temperatures` take away. The resolved scene has the clearance in operation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub radial_clearance_group: Option<ClearanceGroupName>,
+    /// Fits on shaft and in housing, which take clearance from a group.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub fits: Option<FitsInput>,
+    /// Temperatures of rings and balls, which take clearance from a group.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub temperatures: Option<TemperaturesInput>,
     /// Free contact angle [°]. Either this or `radial_clearance_um`.
     #[schema(nullable = false)]
     pub contact_angle_deg: Option<f64>,
@@ -68,11 +83,11 @@ pub struct BearingInput {
     pub cage: Option<CageInput>,
 }
 
-/// Name of a preset of `GET /v1/presets`, a bearing by its dimensions, or a preset with changes.
+/// Name of a preset of `GET /v1/presets`, a designation of `GET /v1/catalogue`, a bearing by its dimensions, or one of these with changes.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum BearingChoice {
-    /// Name of a preset.
+    /// Name of a preset, or a designation.
     Name(BearingName),
     Fields(Box<BearingInput>),
 }

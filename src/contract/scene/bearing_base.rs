@@ -1,6 +1,7 @@
 //! The preset or the defaults behind a requested bearing.
 
 use raceway_core::physics::defaults::{BearingDefaults, DefaultFit, Dimensions};
+use raceway_core::physics::designation::{Designation, Suffix, UnknownDesignation};
 use raceway_core::physics::presets::{self, BearingPreset};
 
 use super::bearing::{BearingInput, BearingType};
@@ -14,6 +15,8 @@ use crate::contract::json::shapes::NameOr;
 pub struct ChosenBearing {
     pub own: BearingInput,
     pub base: BearingBase,
+    /// That of its name.
+    pub designation: Option<Designation>,
 }
 
 /// The requested bearing with the named preset, or with the defaults for its dimensions. After an error another bearing replaces it, so that
@@ -23,15 +26,18 @@ pub fn choose(bearing: NameOr<String, BearingInput>, defaults: &mut Defaults) ->
         NameOr::Name(name) => (Some(name), "/scene/bearing", BearingInput::default()),
         NameOr::Object(mut own) => (own.preset.take(), "/scene/bearing/preset", own),
     };
+    let mut designation = None;
     let base = match name {
-        Some(name) => {
-            let preset = presets::bearing(&name);
-            if preset.is_none() {
-                let known = listed(presets::bearing_names());
-                defaults.refuse(pointer, format!("unknown bearing `{name}`; known are {known}"));
+        Some(name) => match presets::named(&name) {
+            Ok(named) => {
+                designation = named.designation;
+                Some(BearingBase::from(named.preset))
             }
-            preset.map(BearingBase::from)
-        }
+            Err(unknown) => {
+                defaults.refuse(pointer, refusal(&name, unknown));
+                None
+            }
+        },
         None if defaults.is_unread("/scene/bearing/preset") => None,
         None => {
             let kind = own.kind.unwrap_or(BearingType::DeepGroove).in_physics();
@@ -42,7 +48,25 @@ pub fn choose(bearing: NameOr<String, BearingInput>, defaults: &mut Defaults) ->
         defaults.substitute();
         presets::article_integrated().into()
     });
-    ChosenBearing { own, base }
+    ChosenBearing { own, base, designation }
+}
+
+/// Why a name is no bearing, with the names that may be meant.
+fn refusal(name: &str, unknown: UnknownDesignation) -> String {
+    match unknown {
+        UnknownDesignation::Bearing { similar } => {
+            let known = listed(presets::bearing_names());
+            let also = match similar.is_empty() {
+                true => "the designations of GET /v1/catalogue are known, too".to_owned(),
+                false => format!("similar designations of GET /v1/catalogue are {}", listed(similar)),
+            };
+            format!("unknown bearing `{name}`; known are {known}; {also}")
+        }
+        UnknownDesignation::Suffix { bearing, rest } => {
+            format!("unknown suffix `{rest}` of {bearing}; known are {}", listed(Suffix::all()))
+        }
+        UnknownDesignation::TwoGroups { bearing } => format!("`{name}`: {bearing} with two clearance groups"),
+    }
 }
 
 /// Dimensions of a bearing without a preset; `None` after an error for each missing one.
@@ -77,7 +101,6 @@ impl BearingBase {
         };
         let material = |material| Some(NameOr::Object(MaterialInput::from(material)));
         let bearing = BearingInput {
-            preset: None,
             kind: Some(BearingType::from(defaults.kind)),
             outer_diameter_mm: Some(dimensions.outer_diameter_mm),
             inner_diameter_mm: Some(dimensions.inner_diameter_mm),
@@ -96,6 +119,7 @@ impl BearingBase {
                 cage: material(defaults.cage.material),
             }),
             cage: Some(CageInput::from(defaults.cage)),
+            ..BearingInput::default()
         };
         let lubricant = presets::lubricant_of(defaults.lubricant).name;
         Self { bearing, spindle_mass_kg: defaults.spindle_mass, lubricant }

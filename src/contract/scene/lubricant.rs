@@ -4,23 +4,52 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use utoipa::ToSchema;
 
-use super::preset_names::LubricantName;
+use super::oil::{OilAtTemperature, OilBaseName, OrderedOil, grade};
+use super::preset_names::{LubricantName, ViscosityGradeName};
 use crate::contract::json::defaults::Defaults;
+use crate::contract::json::numbers::significant;
 use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::NameOr;
 use crate::contract::json::units::MM;
 use raceway_core::physics::contact::traction::TractionLaw;
 use raceway_core::physics::defaults::{COULOMB, EYRING, FOUR_PARAMETER};
 use raceway_core::physics::lubricant::{Lubricant, LubricantKind, default_inlet_distance};
+use raceway_core::physics::oil::mineral_pressure_viscosity;
 use raceway_core::physics::presets;
 
 /// A lubricant at running temperature. Empty fields are those of the preset with the name of the kind.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LubricantInput {
-    /// Kind of lubricant. Default `grease`, whose hydrodynamic forces are omitted by convention.
+    /// Kind of lubricant. Default `oil` with a viscosity grade or kinematic viscosities, else `grease`, whose hydrodynamic forces are omitted
+    /// by convention.
     #[schema(nullable = false)]
     pub kind: Option<LubricantKindName>,
+    /// ISO viscosity grade of a mineral oil, or of the base oil of a grease; goes with `temperature_c`, instead of `viscosity_pa_s`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<ViscosityGradeName>)]
+    pub viscosity_grade: Option<String>,
+    /// Temperature of the oil in operation [°C].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 70.0)]
+    pub temperature_c: Option<f64>,
+    /// Kinematic viscosity at 40 °C [mm²/s]; with the one at 100 °C and `temperature_c` instead of `viscosity_grade`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 120.0)]
+    pub viscosity_40_mm2_s: Option<f64>,
+    /// Kinematic viscosity at 100 °C [mm²/s].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 12.0)]
+    pub viscosity_100_mm2_s: Option<f64>,
+    /// Density of that oil at 15 °C [kg/m³]. Default 870.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub density_15_kg_m3: Option<f64>,
+    /// Base of the oil. Default `mineral`, whose pressure–viscosity coefficient follows from the viscosity. `synthetic` requires
+    /// `pressure_viscosity_per_pa`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub oil_base: Option<OilBaseName>,
     /// Dynamic viscosity of the oil, or of the base oil of a grease, at running temperature [Pa·s]; 0: no film.
     #[schema(nullable = false, example = 0.02)]
     pub viscosity_pa_s: Option<f64>,
@@ -127,7 +156,7 @@ pub fn resolve(
     defaults: &mut Defaults,
     default: &str,
     ball_diameter_mm: f64,
-) -> Lubricant {
+) -> (Lubricant, Option<OilAtTemperature>) {
     let given = field.is_some();
     let mut own = match field.take().unwrap_or_else(|| NameOr::Name(default.to_owned())) {
         NameOr::Object(own) => own,
@@ -135,7 +164,14 @@ pub fn resolve(
             let kind = presets::lubricant(&name).map(|lubricant| lubricant.kind.into());
             if kind.is_none() {
                 let known = listed(presets::LUBRICANTS.iter().map(|preset| preset.name));
-                defaults.refuse("/scene/lubricant", format!("unknown lubricant `{name}`; known are {known}"));
+                let detail = match grade(&name) {
+                    Some(_) => {
+                        let example = format!("{{\"viscosity_grade\": \"{name}\", \"temperature_c\": 60}}");
+                        format!("a viscosity grade needs a temperature, such as {example}")
+                    }
+                    None => format!("unknown lubricant `{name}`; known are {known}"),
+                };
+                defaults.refuse("/scene/lubricant", detail);
             }
             if !given {
                 defaults.filled.push("/scene/lubricant/kind".to_owned());
@@ -143,12 +179,46 @@ pub fn resolve(
             LubricantInput { kind, ..LubricantInput::default() }
         }
     };
+    let oil = own.take_oil(defaults);
     let lubricant = own.resolve(defaults, ball_diameter_mm);
     *field = Some(NameOr::Object(own));
-    lubricant
+    (lubricant, oil)
 }
 
 impl LubricantInput {
+    /// Replaces grade, viscosities and temperature by the dynamic viscosity and the pressure–viscosity coefficient.
+    fn take_oil(&mut self, defaults: &mut Defaults) -> Option<OilAtTemperature> {
+        let ordered = OrderedOil {
+            grade: self.viscosity_grade.take(),
+            temperature: self.temperature_c.take(),
+            viscosity_40: self.viscosity_40_mm2_s.take(),
+            viscosity_100: self.viscosity_100_mm2_s.take(),
+            density_15: self.density_15_kg_m3.take(),
+            base: self.oil_base.take(),
+        };
+        if ordered.is_given() {
+            if self.kind == Some(LubricantKindName::Dry) {
+                defaults.refuse("/scene/lubricant/kind", "`dry` has no oil");
+            }
+            if self.viscosity_pa_s.is_some() {
+                let detail = "give either this, or the oil by its grade or its viscosities at 40 and 100 °C";
+                defaults.refuse("/scene/lubricant/viscosity_pa_s", detail);
+            }
+            if ordered.base == Some(OilBaseName::Synthetic) && self.pressure_viscosity_per_pa.is_none() {
+                let detail = "required, but missing: no one formula holds for synthetic oils";
+                defaults.refuse("/scene/lubricant/pressure_viscosity_per_pa", detail);
+            }
+        }
+        let oil = ordered.resolve(defaults)?;
+        defaults.fill("/scene/lubricant/kind", &mut self.kind, LubricantKindName::Oil);
+        let viscosity = significant(oil.oil.viscosity(oil.temperature), 6);
+        let viscosity = defaults.fill("/scene/lubricant/viscosity_pa_s", &mut self.viscosity_pa_s, viscosity);
+        let pressure_viscosity = significant(mineral_pressure_viscosity(viscosity), 6);
+        let pointer = "/scene/lubricant/pressure_viscosity_per_pa";
+        defaults.fill(pointer, &mut self.pressure_viscosity_per_pa, pressure_viscosity);
+        Some(oil)
+    }
+
     fn resolve(&mut self, defaults: &mut Defaults, ball_diameter_mm: f64) -> Lubricant {
         let kind = defaults.fill("/scene/lubricant/kind", &mut self.kind, LubricantKindName::Grease);
         let base = &presets::lubricant_of(kind.in_physics()).lubricant;

@@ -9,6 +9,8 @@ pub mod damping;
 pub mod loads;
 pub mod lubricant;
 pub mod material;
+pub mod mounting;
+pub mod oil;
 pub mod operation;
 pub mod spindle;
 pub mod surfaces;
@@ -27,8 +29,10 @@ pub mod supports;
 
 pub mod single_bearing;
 
+pub mod catalogue;
 pub mod presets;
 
 mod bearing_base;
+mod mounted_bearing;
 mod names;
 mod preset_names;

@@ -1,5 +1,6 @@
 //! Names of presets, for the schemas of fields that take one.
 
+use raceway_core::physics::oil::grades;
 use raceway_core::physics::presets;
 use serde::Serialize;
 use utoipa::openapi::RefOr;
@@ -25,8 +26,14 @@ macro_rules! names {
 }
 
 names! {
-    "Name of a bearing of `GET /v1/presets`." BearingName: presets::bearing_names();
     "Name of a material of `GET /v1/presets`." MaterialName: presets::MATERIALS.map(|material| material.name);
     "Name of a lubricant of `GET /v1/presets`." LubricantName: presets::LUBRICANTS.map(|lubricant| lubricant.name);
+    "ISO viscosity grade: a mineral oil of viscosity index 95." ViscosityGradeName: grades().iter().map(|grade| grade.name);
     "Name of a quality of raceways of `GET /v1/presets`." SurfaceName: presets::SURFACES.map(|surface| surface.name);
 }
+
+/// Name of a bearing of `GET /v1/presets`, or a designation of `GET /v1/catalogue` with suffixes of seals, clearance and tolerance, such as
+/// `6206-2RS/C3`.
+#[derive(Serialize, ToSchema)]
+#[schema(value_type = String, examples("6205", "7008C", "6206-2RS/C3"))]
+pub struct BearingName(pub String);

@@ -127,8 +127,8 @@ fn lubricant_answer(preset: &LubricantPreset) -> LubricantPresetAnswer {
         viscosity_pa_s: Some(lubricant.viscosity),
         pressure_viscosity_per_pa: Some(lubricant.pressure_viscosity),
         fill: Some(lubricant.fill),
-        inlet_distance_mm: None,
         traction: Some(traction),
+        ..LubricantInput::default()
     };
     LubricantPresetAnswer { description: preset.description, lubricant: given_fields(&all) }
 }

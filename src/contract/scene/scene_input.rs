@@ -11,12 +11,16 @@ use crate::contract::scene::bearing::{BearingChoice, BearingInput};
 use crate::contract::scene::bearing_base::{ChosenBearing, choose};
 use crate::contract::scene::damping::DampingInput;
 use crate::contract::scene::lubricant::{self, LubricantChoice, LubricantInput};
+use crate::contract::scene::mounted_bearing::mount;
+use crate::contract::scene::mounting::{OperatingClearance, RingsAndBalls};
+use crate::contract::scene::oil::OilAtTemperature;
 use crate::contract::scene::operation::OperationInput;
 use crate::contract::scene::spindle::SpindleInput;
 use crate::contract::scene::surfaces::SurfacesInput;
 use crate::contract::scene::terms::TermsInput;
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::defaults::GRAVITY;
+use raceway_core::physics::designation::Designation;
 use raceway_core::simulation::input::scene::{Scene, SceneParameters};
 
 /// The simulated system: bearing, spindle, lubricant and operation. Only `bearing` and `operation.speed_rpm` are required. A list `bearings` of one
@@ -62,6 +66,15 @@ pub struct ResolvedScene {
     /// Pointers, from the root of a job, to the fields that got their default.
     pub defaults: Vec<String>,
     pub scene: Scene,
+    pub ordered: Ordered,
+}
+
+/// What the request names as one orders it, where the resolved scene has numbers.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ordered {
+    pub designation: Option<Designation>,
+    pub clearance: Option<OperatingClearance>,
+    pub oil: Option<OilAtTemperature>,
 }
 
 impl SceneInput {
@@ -77,28 +90,34 @@ impl SceneInput {
     }
 
     fn resolve_in(mut self, mut defaults: Defaults) -> Result<ResolvedScene, Vec<FieldError>> {
-        let parameters = self.parameters(&mut defaults);
+        let mut ordered = Ordered::default();
+        let parameters = self.parameters(&mut defaults, &mut ordered);
         let scene = defaults.built(Scene::new(parameters));
         let defaults = defaults.into_result()?;
         let unbuildable = || vec![FieldError::new("/scene", "cannot be built")];
-        Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)? })
+        Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)?, ordered })
     }
 
     /// The scene in SI. After an error a substitute replaces the wrong value.
-    fn parameters(&mut self, defaults: &mut Defaults) -> SceneParameters {
+    fn parameters(&mut self, defaults: &mut Defaults, ordered: &mut Ordered) -> SceneParameters {
         let operation = self.operation.resolve(defaults);
         let terms = self.terms.get_or_insert_default().resolve(defaults);
         let gravity = defaults.fill("/scene/gravity_m_s2", &mut self.gravity_m_s2, GRAVITY);
         let surfaces = self.surfaces.as_mut().map(|surfaces| surfaces.resolve(defaults)).unwrap_or_default();
         let damping = self.damping.get_or_insert_default().resolve(defaults);
-        let ChosenBearing { mut own, base } = choose(self.bearing.clone(), defaults);
+        let ChosenBearing { mut own, base, designation } = choose(self.bearing.clone(), defaults);
 
         let base_materials = base.bearing.materials.clone().unwrap_or_default();
         let materials = own.materials.get_or_insert_default().resolve(defaults, &base_materials);
         let raceways = PerRaceway { inner: materials.inner_raceway, outer: materials.outer_raceway };
+        let group = designation.as_ref().and_then(Designation::clearance_group);
+        let of_clearance = RingsAndBalls { rings: raceways, ball: materials.ball };
+        ordered.clearance = mount(&mut own, &base.bearing, group, &of_clearance, defaults);
+        ordered.designation = designation;
         let bearing = own.resolve(defaults, &base.bearing, materials.ball, raceways);
         let ball_diameter_mm = own.ball_diameter_mm.unwrap_or_default();
-        let lubricant = lubricant::resolve(&mut self.lubricant, defaults, base.lubricant, ball_diameter_mm);
+        let (lubricant, oil) = lubricant::resolve(&mut self.lubricant, defaults, base.lubricant, ball_diameter_mm);
+        ordered.oil = oil;
         let base_cage = base.bearing.cage.clone().unwrap_or_default();
         let cage = own.cage.get_or_insert_default();
         let pocket_deviations = cage.pocket_deviations(defaults);

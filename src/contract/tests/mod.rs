@@ -2,6 +2,7 @@ mod accepted;
 mod loads;
 mod mode_accuracy;
 mod optimum;
+mod ordering;
 mod refused;
 mod results;
 mod schema;

@@ -7,6 +7,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use super::bearing::{BearingKind, BearingParameters, Fit, PerRaceway};
 use super::cage::{CageParameters, PocketFilm, PocketSeat};
+use super::clearance::default_clearance_um;
 use super::contact::damping::DampingLaw;
 use super::contact::traction::TractionLaw;
 use super::lubricant::LubricantKind;
@@ -111,7 +112,7 @@ impl BearingDefaults {
             fit: match kind {
                 BearingKind::AngularContact => DefaultFit::ContactAngleDeg(15.0),
                 BearingKind::Integrated | BearingKind::DeepGroove => {
-                    DefaultFit::RadialClearanceUm(middle_clearance_um(dimensions.inner_diameter_mm))
+                    DefaultFit::RadialClearanceUm(default_clearance_um(dimensions.inner_diameter_mm))
                 }
             },
             ball_material: GCR15,
@@ -215,40 +216,6 @@ pub fn spindle_inertia(mass: f64) -> SpindleInertia {
     SpindleInertia { transverse: significant(of_cylinder.transverse, 4), axial: significant(of_cylinder.axial, 4) }
 }
 
-/// Middle of the radial internal clearance of group N of deep groove ball bearings by bore [µm] (ISO 5753-1).
-fn middle_clearance_um(bore_mm: f64) -> f64 {
-    /// (bore up to and including [mm], least, greatest [µm])
-    const GROUP_N: [(f64, f64, f64); 26] = [
-        (10.0, 2.0, 13.0),
-        (18.0, 3.0, 18.0),
-        (24.0, 5.0, 20.0),
-        (30.0, 5.0, 20.0),
-        (40.0, 6.0, 20.0),
-        (50.0, 6.0, 23.0),
-        (65.0, 8.0, 28.0),
-        (80.0, 10.0, 30.0),
-        (100.0, 12.0, 36.0),
-        (120.0, 15.0, 41.0),
-        (140.0, 18.0, 48.0),
-        (160.0, 18.0, 53.0),
-        (180.0, 20.0, 61.0),
-        (200.0, 25.0, 71.0),
-        (225.0, 25.0, 85.0),
-        (250.0, 30.0, 95.0),
-        (280.0, 35.0, 105.0),
-        (315.0, 40.0, 115.0),
-        (355.0, 45.0, 125.0),
-        (400.0, 55.0, 145.0),
-        (450.0, 60.0, 170.0),
-        (500.0, 70.0, 190.0),
-        (560.0, 80.0, 210.0),
-        (630.0, 90.0, 230.0),
-        (710.0, 110.0, 260.0),
-        (f64::INFINITY, 120.0, 290.0),
-    ];
-    GROUP_N.iter().find(|row| bore_mm <= row.0).map_or(7.5, |row| 0.5 * (row.1 + row.2))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -258,10 +225,5 @@ mod tests {
         let cage = CrownCage::scaled(2.778, 13.0);
         assert_eq!((cage.mass_g, cage.axial_inertia_kg_m2), (0.13, 5.5e-9));
         assert_eq!((cage.offset_mm, cage.pocket_clearance_mm), (0.7, 0.051));
-    }
-
-    #[test]
-    fn clearance_is_the_middle_of_group_n() {
-        assert_eq!([8.0, 10.0, 20.0, 25.0].map(middle_clearance_um), [7.5, 7.5, 12.5, 12.5]);
     }
 }

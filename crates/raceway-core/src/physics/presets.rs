@@ -1,8 +1,10 @@
 //! Bearings, materials, lubricants and surfaces by name.
 
 use super::bearing::{BearingKind, PerRaceway};
+use super::catalogue::CatalogueBearing;
 use super::contact::traction::TractionLaw;
 use super::defaults::{BearingDefaults, COULOMB, CrownCage, DefaultFit, Dimensions, FOUR_PARAMETER};
+use super::designation::{Designation, UnknownDesignation};
 use super::lubricant::{Lubricant, LubricantKind};
 use super::material::{GCR15, Material, PA46};
 
@@ -44,6 +46,43 @@ pub struct SurfacePreset {
 pub fn bearing(name: &str) -> Option<BearingPreset> {
     let article = ARTICLE.iter().find(|bearing| bearing.0 == name).map(article_preset);
     article.or_else(|| CATALOGUE.iter().find(|bearing| bearing.0 == name).map(catalogue_preset))
+}
+
+/// A bearing by a preset's name or by its designation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedBearing {
+    pub preset: BearingPreset,
+    /// `None` for names that are no designation.
+    pub designation: Option<Designation>,
+}
+
+/// The bearing of a preset's name, or of a designation. A preset keeps its own numbers, also with suffixes.
+pub fn named(name: &str) -> Result<NamedBearing, UnknownDesignation> {
+    let preset = bearing(name);
+    match (preset, Designation::read(name)) {
+        (Some(preset), designation) => Ok(NamedBearing { preset, designation: designation.ok() }),
+        (None, Ok(designation)) => {
+            let of_catalogue = designation.bearing;
+            let preset = bearing(of_catalogue.designation).unwrap_or_else(|| of_designation(of_catalogue));
+            Ok(NamedBearing { preset, designation: Some(designation) })
+        }
+        (None, Err(unknown)) => Err(unknown),
+    }
+}
+
+/// The bearing of the catalogue with the defaults for its dimensions.
+fn of_designation(bearing: &CatalogueBearing) -> BearingPreset {
+    let Dimensions { outer_diameter_mm: outer, inner_diameter_mm: bore, width_mm: width, .. } = bearing.dimensions;
+    let kind = match bearing.kind {
+        BearingKind::AngularContact => "angular-contact",
+        BearingKind::DeepGroove | BearingKind::Integrated => "deep-groove",
+    };
+    BearingPreset {
+        name: bearing.designation,
+        description: format!("{kind} ball bearing, {bore} × {outer} × {width} mm"),
+        dimensions: bearing.dimensions,
+        defaults: bearing.defaults(),
+    }
 }
 
 /// The article's integrated bearing.
