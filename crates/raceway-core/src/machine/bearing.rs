@@ -2,6 +2,7 @@
 
 use super::frame::Frame;
 use super::input::{Loss, Machine, MachineError};
+use crate::physics::bearing::PerRaceway;
 use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::physics::statics::shaft::Mounted;
@@ -12,8 +13,8 @@ use crate::simulation::model::Mechanism;
 use crate::simulation::model::dynamics::Full;
 use crate::simulation::model::dynamics::on_ring::{RingLoad, Rings};
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::radially_condensed::RadiallyCondensed;
 use crate::simulation::model::state::SpindleState;
-use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::solve::surface_warnings::contact_warnings;
@@ -22,6 +23,8 @@ use crate::simulation::solve::surface_warnings::contact_warnings;
 #[derive(Debug, Clone)]
 pub struct BearingOnShaft {
     pub dynamics: Full,
+    /// `Some`: steps are those of this model, whose ring moves in the plane.
+    pub condensed: Option<RadiallyCondensed>,
     /// Its facing, and the place of its outer ring at rest, to which its state refers.
     pub mounted: Mounted,
     /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
@@ -59,12 +62,12 @@ impl BearingOnShaft {
         Some(Loss::Left { bearing: bearing(), departure })
     }
 
-    /// Reason why the bearing of this name cannot carry these loads of its balls.
-    pub(crate) fn loss_of_balls(&self, name: &str, loads: PackedStepLoads<'_>) -> Option<Loss> {
+    /// Reason why the bearing of this name cannot carry the loads of its balls, by their numbers.
+    pub(crate) fn loss_of_balls(&self, name: &str, loads: impl Fn(usize) -> PerRaceway<f64>) -> Option<Loss> {
         let mechanism = self.dynamics.mechanism();
         let raceway = &mechanism.raceway;
         let pressed = (0..mechanism.layout.balls).map(|ball| {
-            let load = loads.of(ball).load;
+            let load = loads(ball);
             let depth = raceway.inner.relative_depth(load.inner).max(raceway.outer.relative_depth(load.outer));
             (load.inner.max(load.outer), depth)
         });
@@ -114,7 +117,13 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
         for (value, rest) in mounted.outer.iter_mut().zip(outer_rest.unwrap_or_default()) {
             *value += rest;
         }
-        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted, outer_rest, surface_warnings });
+        bearings.push(BearingOnShaft {
+            dynamics: Full::new(mechanism),
+            condensed: None,
+            mounted,
+            outer_rest,
+            surface_warnings,
+        });
     }
     Ok(bearings)
 }

@@ -34,6 +34,11 @@ impl MachineDynamics {
         Ok(Self { frame, bearings, speed, outer_speed })
     }
 
+    /// Whether loads of bearings depend on the accelerations of their rings.
+    pub(super) fn needs_accelerations(&self) -> bool {
+        self.bearings.iter().any(|bearing| bearing.condensed.is_some())
+    }
+
     /// Places and velocities of the coordinates of shaft and housing in a state.
     pub fn coordinates<'y>(&self, state: &'y [f64]) -> (&'y [f64], &'y [f64]) {
         let size = self.frame.len();

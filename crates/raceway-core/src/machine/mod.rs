@@ -19,6 +19,7 @@ pub mod start;
 
 mod growth;
 
+pub(crate) mod bearing_stepper;
 pub(crate) mod propagator;
 pub(crate) mod stepping;
 

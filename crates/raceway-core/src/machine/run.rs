@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::bearing_stepper::BearingStepper;
 use super::channel::MachineChannel;
 use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
@@ -16,8 +17,6 @@ use super::warnings::{limit_of_step, warnings};
 use crate::numerics::statistics::rms;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
-use crate::simulation::model::dynamics::on_ring::RingStepper;
-use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::solve::fixed_step::AXIAL_STEP;
 use crate::simulation::solve::startup::{CAGE_SETTLE_RANGE_S, MAX_SETTLE_S, SETTLE_CAGE_TURNS, SETTLED_EFOLDS};
 
@@ -196,12 +195,12 @@ impl Run<'_> {
     /// Refuses a motion that no bearing can hold any more.
     fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), Unrecorded> {
         let [place, velocity, _] = stepper.coordinates();
-        let loss = |(index, of): (usize, &RingStepper<'_>)| {
+        let loss = |(index, of): (usize, &BearingStepper<'_>)| {
             let (bearing, name) = (&self.dynamics.bearings[index], &self.machine.bearings[index].name);
             let collision = of.touching().map(|_| Loss::Collision { bearing: name.clone() });
             collision
                 .or_else(|| bearing.loss_of_ring(name, self.dynamics.rings(index, place, velocity).apart()))
-                .or_else(|| bearing.loss_of_balls(name, PackedStepLoads(of.step_loads())))
+                .or_else(|| bearing.loss_of_balls(name, |ball| of.seen(ball).load))
         };
         match stepper.bearings().iter().enumerate().find_map(loss) {
             None => Ok(()),
