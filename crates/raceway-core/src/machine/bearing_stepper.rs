@@ -1,6 +1,6 @@
 //! Fixed steps of a bearing between shaft and housing, on its level of the model.
 
-use super::bearing::BearingOnShaft;
+use super::bearing::{BearingOnShaft, CondensedBearing, TiltHold};
 use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::frames::Vector;
 use crate::physics::statics::Matrix;
@@ -21,10 +21,11 @@ pub(crate) struct FullStepper<'m> {
     steps: RingStepper<'m>,
 }
 
-/// On the level `radially_condensed`: the ring moves in the plane, and its tilt moves no ball.
+/// On the level `radially_condensed`: balls follow the ring in the plane, and linear moments hold its tilt.
 pub(crate) struct CondensedStepper<'m> {
     bearing: &'m BearingOnShaft,
     steps: CondensedOnRing<'m>,
+    tilt: &'m TiltHold,
 }
 
 /// Predicted motion of the rings of a bearing at the end of a step, in its own axes.
@@ -46,11 +47,11 @@ pub(crate) struct PortLoad {
 
 /// Decrease of a load by the motion of its ring.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Resistance {
-    /// Over displacements and velocities.
-    OfMotion { stiffness: Matrix, damping: Matrix },
+pub(crate) struct Resistance {
+    pub stiffness: Matrix,
+    pub damping: Matrix,
     /// Over accelerations, with the displacements and velocities that follow them.
-    OfAcceleration(Matrix),
+    pub slope: Option<Matrix>,
 }
 
 impl<'m> BearingStepper<'m> {
@@ -61,18 +62,18 @@ impl<'m> BearingStepper<'m> {
                 let steps = RingStepper::new(&bearing.dynamics, time, state, rings.inner);
                 Self::Full(Box::new(FullStepper { bearing, steps }))
             }
-            Some(model) => {
+            Some(CondensedBearing { model, tilt }) => {
                 let steps = CondensedOnRing::new(model, time, &in_plane(&rings.inner, [0.0; 2]));
-                Self::RadiallyCondensed(Box::new(CondensedStepper { bearing, steps }))
+                Self::RadiallyCondensed(Box::new(CondensedStepper { bearing, steps, tilt }))
             }
         }
     }
 
     /// Load on the inner ring at the start along the shaft's axes, where it is not that of `full`.
-    pub(crate) fn first_load(&self) -> Option<[f64; 5]> {
+    pub(crate) fn first_load(&self, rings: &Rings) -> Option<[f64; 5]> {
         match self {
             Self::Full(_) => None,
-            Self::RadiallyCondensed(of) => Some(of.port(&of.steps.first_load()).wrench),
+            Self::RadiallyCondensed(of) => Some(of.port(&of.steps.first_load(), &rings.inner).wrench),
         }
     }
 
@@ -107,13 +108,13 @@ impl<'m> BearingStepper<'m> {
                 let mounted = &of.bearing.mounted;
                 let [stiffness, damping] =
                     [resistance.stiffness, resistance.damping].map(|matrix| mounted.along_shaft(&matrix));
-                let resistance = Resistance::OfMotion { stiffness, damping };
+                let resistance = Resistance { stiffness, damping, slope: None };
                 Some(PortLoad { wrench: of.bearing.on_shaft(&load), resistance })
             }),
             Self::RadiallyCondensed(of) => {
                 let ring = in_plane(&predicted.rings.inner, predicted.acceleration);
                 let load = of.steps.advance(end, step, &ring, predicted.shares);
-                [Some(of.port(&load)), None]
+                [Some(of.port(&load, &predicted.rings.inner)), None]
             }
         }
     }
@@ -186,13 +187,19 @@ impl<'m> BearingStepper<'m> {
 }
 
 impl CondensedStepper<'_> {
-    fn port(&self, LoadOnRing { force: [y, z], slope: [yy, yz, zz] }: &LoadOnRing) -> PortLoad {
-        let mounted = &self.bearing.mounted;
+    fn port(&self, LoadOnRing { force: [y, z], slope: [yy, yz, zz] }: &LoadOnRing, ring: &SpindleState) -> PortLoad {
+        let (mounted, hold) = (&self.bearing.mounted, self.tilt);
         let mut slope = [[0.0; 5]; 5];
         (slope[1][1], slope[1][2], slope[2][1], slope[2][2]) = (*yy, *yz, *yz, *zz);
+        let [stiffness, damping] = [&hold.stiffness, &hold.damping].map(|of_tilt| {
+            let mut matrix = [[0.0; 5]; 5];
+            (0..2).for_each(|row| matrix[3 + row][3..].copy_from_slice(&of_tilt[row]));
+            mounted.along_shaft(&matrix)
+        });
+        let [about_y, about_z] = hold.moment(ring);
         PortLoad {
-            wrench: mounted.wrench_on_shaft(&[0.0, *y, *z, 0.0, 0.0]),
-            resistance: Resistance::OfAcceleration(mounted.along_shaft(&slope)),
+            wrench: mounted.wrench_on_shaft(&[0.0, *y, *z, about_y, about_z]),
+            resistance: Resistance { stiffness, damping, slope: Some(mounted.along_shaft(&slope)) },
         }
     }
 }

@@ -197,11 +197,16 @@ impl<'m> MachineStepper<'m> {
             BearingStepper::new(&dynamics.bearings[index], time, part, dynamics.rings(index, place, velocity))
         };
         let bearings: Vec<_> = dynamics.parts(state).into_iter().enumerate().map(stepper).collect();
+        let first: Vec<_> = bearings
+            .iter()
+            .enumerate()
+            .map(|(index, stepper)| stepper.first_load(&dynamics.rings(index, place, velocity)))
+            .collect();
         let mut rates = vec![0.0; state.len()];
         let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
         let of_rings = || dynamics.bearings.iter().zip(&loads.rings);
-        let on_shaft = of_rings().zip(&bearings).flat_map(|((bearing, load), stepper)| {
-            stepper.first_load().unwrap_or_else(|| bearing.on_shaft(&load.inner))
+        let on_shaft = of_rings().zip(first).flat_map(|((bearing, load), first)| {
+            first.unwrap_or_else(|| bearing.on_shaft(&load.inner))
         });
         let moving = of_rings().zip(&dynamics.frame.outer).filter(|(_, outer)| outer.is_some());
         let on_housing = moving.flat_map(|((bearing, load), _)| bearing.on_shaft(&load.outer));
@@ -331,12 +336,11 @@ impl<'m> MachineStepper<'m> {
                 for (k, force) in wrench.into_iter().enumerate() {
                     change[rows + k] = force - new.ports[rows + k];
                 }
-                match resistance {
-                    Resistance::OfMotion { stiffness, damping } => {
-                        add_product(matrix, rows, &stiffness, &formulas.places);
-                        add_product(matrix, rows, &damping, &formulas.velocities);
-                    }
-                    Resistance::OfAcceleration(slope) => add_product(matrix, rows, &slope, &formulas.accelerations),
+                let Resistance { stiffness, damping, slope } = resistance;
+                add_product(matrix, rows, &stiffness, &formulas.places);
+                add_product(matrix, rows, &damping, &formulas.velocities);
+                if let Some(slope) = slope {
+                    add_product(matrix, rows, &slope, &formulas.accelerations);
                 }
             }
         }
