@@ -14,6 +14,16 @@ use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
 
+/// Model level of the bearings of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum LevelChoice {
+    #[default]
+    Full,
+    RadiallyCondensed,
+    /// `radially_condensed` where `full` shows no larger error of a level [dB], else `full`.
+    Within(f64),
+}
+
 /// Reason why `radially_condensed` cannot represent the bearings of a machine; `None`: it can.
 pub fn inapplicability(machine: &Machine) -> Option<MachineInapplicable> {
     let of_machine = if machine.bearings.is_empty() {

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
-use super::codes::MachineWarning;
+use super::codes::{LevelDeviation, MachineWarning};
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
 use super::recording::{BearingRecord, MachineRecording};
@@ -12,6 +12,7 @@ use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{BodySpeeds, CharacteristicFrequencies, RingSpeeds, ideal_orbit_ratio};
 use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::error::stationarity::trend_of;
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::ENVELOPE_BAND;
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::sampling::{BAND, RATE};
@@ -33,6 +34,8 @@ pub struct MachineResult {
     /// Number of coordinates of the shaft, and of states of the whole.
     pub coordinates: usize,
     pub states: usize,
+    /// Model level of the bearings.
+    pub level: ModelLevel,
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
@@ -88,6 +91,25 @@ pub struct Accuracy {
     pub errors: Vec<(MachineChannel, Option<f64>)>,
     /// Evaluations of the bearings, repetitions included.
     pub evaluations: u64,
+    /// Deviations from `full` of a run on another level.
+    pub model: Option<ModelErrors>,
+}
+
+/// Deviations of a run from one on `full`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelErrors {
+    /// Time that was repeated on `full` [s].
+    pub window: f64,
+    /// Of the level of each acceleration [dB]; `None` where it is silent or faint.
+    pub levels: Vec<(MachineChannel, Option<f64>)>,
+}
+
+impl ModelErrors {
+    /// The largest.
+    pub fn largest(&self) -> Option<(MachineChannel, f64)> {
+        let known = self.levels.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
+        known.max_by(|one, other| one.1.total_cmp(&other.1))
+    }
 }
 
 impl MachineResult {
@@ -113,7 +135,8 @@ impl MachineResult {
                 .filter(|(frequency, _)| *frequency < BAND)
                 .collect(),
             coordinates: dynamics.frame.len(),
-            states: crate::numerics::ode::OdeSystem::dimension(dynamics),
+            states: dynamics.states(),
+            level: dynamics.level(),
             settle: recording.start,
             duration: recording.signals[0].1.len() as f64 / RATE,
             growth_rate: system.growth_rate(speed).ok(),
@@ -121,6 +144,15 @@ impl MachineResult {
             accuracy,
             bearings,
         }
+    }
+}
+
+impl MachineResult {
+    /// The largest deviation from `full`, if it is larger than a tolerance [dB].
+    pub(super) fn beyond(&self, allowed_db: f64) -> Option<LevelDeviation> {
+        let model = self.accuracy.model.as_ref()?;
+        let (channel, error_db) = model.largest()?;
+        (error_db > allowed_db).then_some(LevelDeviation { channel, error_db, allowed_db, window: model.window })
     }
 }
 

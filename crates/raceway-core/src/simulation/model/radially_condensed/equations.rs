@@ -313,7 +313,12 @@ impl RadiallyCondensed {
 
     /// Number of first-order states.
     pub fn states(&self) -> usize {
-        3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 } + 4
+        self.states_on_ring() + 4
+    }
+
+    /// That number without the spindle.
+    pub(crate) fn states_on_ring(&self) -> usize {
+        3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 }
     }
 
     /// The model with all balls starting farther by an angle [rad].
