@@ -14,11 +14,14 @@ use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::error::stationarity::trend_of;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::ENVELOPE_BAND;
+use crate::simulation::model::omission::{Condensation, OmissionReason};
+use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::recording::bands::Band;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
 use crate::simulation::result::metrics::level_db;
+use crate::simulation::solve::eligibility::omissions;
 
 /// The result of a run, in the units of the channels.
 #[derive(Debug, Clone)]
@@ -34,8 +37,9 @@ pub struct MachineResult {
     /// Number of coordinates of the shaft, and of states of the whole.
     pub coordinates: usize,
     pub states: usize,
-    /// Model level of the bearings.
+    /// Model level of the bearings, and the terms that it omits.
     pub level: ModelLevel,
+    pub left_out: Vec<LeftOut>,
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
@@ -137,6 +141,7 @@ impl MachineResult {
             coordinates: dynamics.frame.len(),
             states: dynamics.states(),
             level: dynamics.level(),
+            left_out: left_out(dynamics.level()),
             settle: recording.start,
             duration: recording.signals[0].1.len() as f64 / RATE,
             growth_rate: system.growth_rate(speed).ok(),
@@ -154,6 +159,16 @@ impl MachineResult {
         let (channel, error_db) = model.largest()?;
         (error_db > allowed_db).then_some(LevelDeviation { channel, error_db, allowed_db, window: model.window })
     }
+}
+
+/// Terms that a reduced level omits; the bound of all together is the deviation from `full` that a run shows.
+fn left_out(level: ModelLevel) -> Vec<LeftOut> {
+    if level == ModelLevel::Full {
+        return Vec::new();
+    }
+    let reason = OmissionReason::Condensed(level, Condensation::LinearMoments);
+    let tilt = LeftOut { term: "tilt", reason, by: Justification::Judgement, bound: None };
+    omissions(level, true).into_iter().chain([tilt]).collect()
 }
 
 fn metrics(channel: MachineChannel, values: &[f64]) -> SignalMetrics {
