@@ -11,7 +11,9 @@ pub enum MachineInapplicable {
     SpeedChanges,
     #[error("there is no ball bearing")]
     NoBearing,
-    #[error("the outer ring of bearing {bearing} moves (`on`, `seat`), and this model has equations for one that is held")]
+    #[error(
+        "the outer ring of bearing {bearing} moves (`on`, `seat`), and this model has equations for one that is held"
+    )]
     OuterRingMoves { bearing: String },
     #[error("the outer ring of bearing {bearing} is set off along X or tilted (`preloads`, `outer_ring`)")]
     OuterRingOff { bearing: String },

@@ -205,9 +205,9 @@ impl<'m> MachineStepper<'m> {
         let mut rates = vec![0.0; state.len()];
         let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
         let of_rings = || dynamics.bearings.iter().zip(&loads.rings);
-        let on_shaft = of_rings().zip(first).flat_map(|((bearing, load), first)| {
-            first.unwrap_or_else(|| bearing.on_shaft(&load.inner))
-        });
+        let on_shaft = of_rings()
+            .zip(first)
+            .flat_map(|((bearing, load), first)| first.unwrap_or_else(|| bearing.on_shaft(&load.inner)));
         let moving = of_rings().zip(&dynamics.frame.outer).filter(|(_, outer)| outer.is_some());
         let on_housing = moving.flat_map(|((bearing, load), _)| bearing.on_shaft(&load.outer));
         let mut forces = Forces { ports: on_shaft.chain(on_housing).collect(), rest: vec![0.0; size], sum: Vec::new() };

@@ -1,6 +1,8 @@
 //! Messages of a machine.
 
-use raceway_core::machine::codes::{LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause, StepLimit};
+use raceway_core::machine::codes::{
+    LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause, StepLimit,
+};
 use raceway_core::machine::input::Machine;
 use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use raceway_core::simulation::error::codes::Warning;
@@ -134,7 +136,11 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
 
 fn of_deviation(machine: &Machine, LevelDeviation { channel, error_db, window, .. }: &LevelDeviation) -> String {
     let channel = channel.named(machine).to_string();
-    format!("over {} the level of {channel} deviates by {} dB from that on full", time(*window), significant(*error_db, 2))
+    format!(
+        "over {} the level of {channel} deviates by {} dB from that on full",
+        time(*window),
+        significant(*error_db, 2)
+    )
 }
 
 fn level_values(machine: &Machine, deviation: &LevelDeviation) -> Vec<(&'static str, Value)> {

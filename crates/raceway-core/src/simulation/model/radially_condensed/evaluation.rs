@@ -554,16 +554,7 @@ mod tests {
         let [y, z] = border.spindle;
         let mut rates = Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() };
         let mut scratch = Scratch::new(model.groups());
-        let turning = model.rates(
-            0.0,
-            &balls,
-            &[],
-            &border,
-            [0.0; 2],
-            StepShares::default(),
-            &mut rates,
-            &mut scratch,
-        );
+        let turning = model.rates(0.0, &balls, &[], &border, [0.0; 2], StepShares::default(), &mut rates, &mut scratch);
         let by = 1e-9;
         let mut on_spindle = [m.load[1], m.load[2]];
         let (mut most, mut worst) = (0.0_f64, 0.0_f64);

@@ -171,7 +171,8 @@ impl<'m> CondensedOnRing<'m> {
     /// Loads and slip of a ball in the last step.
     pub(crate) fn seen(&self, ball: usize) -> BallSeen {
         let (seen, lane) = (&self.scratch.ball_loads[ball / LANES], ball % LANES);
-        let of = |pair: &PerRaceway<Singles>| PerRaceway { inner: pair.inner[lane].into(), outer: pair.outer[lane].into() };
+        let of =
+            |pair: &PerRaceway<Singles>| PerRaceway { inner: pair.inner[lane].into(), outer: pair.outer[lane].into() };
         BallSeen { load: of(&seen.load), slip: of(&seen.slip), pocket: seen.pocket[lane].into() }
     }
 }
@@ -180,10 +181,7 @@ impl LoadOnRing {
     #[inline(always)]
     fn of(rates: &Rates) -> Self {
         let on_ring = &rates.passed;
-        Self {
-            force: [total(&on_ring.force.0), total(&on_ring.force.1)],
-            slope: on_ring.slope.each_ref().map(total),
-        }
+        Self { force: [total(&on_ring.force.0), total(&on_ring.force.1)], slope: on_ring.slope.each_ref().map(total) }
     }
 }
 
