@@ -94,7 +94,7 @@ impl Rings {
 /// Balls and cage in fixed steps, driven by whoever moves the rings.
 pub(crate) struct RingStepper<'m> {
     method: SemiImplicit<'m, false>,
-    kept: Vec<Box<Node>>,
+    kept: Vec<Node>,
 }
 
 impl<'m> RingStepper<'m> {

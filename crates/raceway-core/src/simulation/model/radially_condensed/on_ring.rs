@@ -48,7 +48,7 @@ pub(crate) struct CondensedOnRing<'m> {
     model: &'m RadiallyCondensed,
     /// Newest first.
     nodes: [Box<Node>; NODES],
-    kept: Vec<Box<Node>>,
+    kept: Vec<Node>,
     /// Number of known nodes.
     known: usize,
     formulas: Formulas,
@@ -104,13 +104,13 @@ impl<'m> CondensedOnRing<'m> {
 
     /// Keeps the newest state for `recall`.
     pub(crate) fn keep(&mut self) {
-        self.kept.push(self.nodes[0].clone());
+        self.kept.push(Node::clone(&self.nodes[0]));
     }
 
     /// Replaces all states but the newest by the kept ones.
     pub(crate) fn recall(&mut self) {
         for (node, kept) in self.nodes[1..].iter_mut().zip(self.kept.drain(..).rev()) {
-            *node = kept;
+            **node = kept;
         }
     }
 
