@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Processor time of a step of machines: more bearings, and modes of a shaft, against one bearing on a rigid spindle.
+"""Processor time of a step of machines: more bearings, and modes of a shaft, against one bearing on a rigid spindle, on two model levels.
 
 Usage: python3 benches/modes/cost.py --binary BINARY [--runs 5] [--csv FILE]
 
-All bearings are a 6205 on `full`, at 6000 r/min under 500 N, in steps of 5.5 µs. Runs take turns over the machines; the ratio to the first
-machine is formed in each turn. A step is one evaluation of every bearing, verification included. What a run needs before its first step is left
-out: the difference of a record of 0.5 s and one of 0.1 s, both repeated over 0.1 s.
+All bearings are a 6205, at 6000 r/min under 500 N: on `full` in steps of 5.5 µs, and on `radially_condensed` in steps of 11 µs. Runs take turns over
+the machines; the ratio to the first machine is formed in each turn. A step is one evaluation of every bearing. What a run needs before its first
+step is left out, and so are repetitions: the difference of a record of 0.5 s and one of 0.1 s, both repeated over 0.1 s. Beside the cost of the
+reduced level stands its largest deviation of a level from `full`.
 
 Only the standard library is needed.
 """
@@ -43,18 +44,28 @@ MACHINES = {
 }
 
 
-def timed(binary, scene, duration):
+# Steps of each level [µs].
+LEVELS = {"full": 5.5, "radially_condensed": 11}
+RECORDS_S = (0.1, 0.5)
+
+
+def timed(binary, scene, level, duration):
     """Processor time [s], and the answer."""
-    job = {"kind": "machine", "scene": scene, "duration_s": duration, "settle_s": 0.05, "step_us": 5.5}
+    job = {"kind": "machine", "scene": scene, "duration_s": duration, "settle_s": 0.3, "step_us": LEVELS[level]}
+    if level != "full":
+        job["solver"] = {"rung": level}
     before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     done = subprocess.run([binary, "simulate", "-", "--quiet"], input=json.dumps(job), text=True, capture_output=True, check=True)
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, json.loads(done.stdout)["model"]
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, json.loads(done.stdout)
 
 
-def step_time(binary, scene):
-    """Processor time of a step [µs], and the coordinates of the frame."""
-    (short, less), (long, more) = (timed(binary, scene, duration) for duration in (0.1, 0.5))
-    return 1e6 * (long - short) / (more["evaluations"] - less["evaluations"]), more["coordinates"]
+def cost(binary, scene, level):
+    """Processor time of a step [µs], simulated over processor time, coordinates of the frame, and largest deviation of a level from `full` [dB]."""
+    (short, less), (long, more) = (timed(binary, scene, level, duration) for duration in RECORDS_S)
+    simulated = RECORDS_S[1] - RECORDS_S[0]
+    errors = more["accuracy"].get("model_errors_db", {})
+    step = (long - short) * LEVELS[level] / simulated
+    return step, simulated / (long - short), more["model"]["coordinates"], max(errors.values(), default=0.0)
 
 
 def main():
@@ -64,18 +75,19 @@ def main():
     parser.add_argument("--csv")
     options = parser.parse_args()
     binary = os.path.abspath(options.binary)
-    times, coordinates = {name: [] for name in MACHINES}, {}
+    cases = [(name, level) for name in MACHINES for level in LEVELS]
+    found = {case: [] for case in cases}
     for _ in range(options.runs):
-        for name, scene in MACHINES.items():
-            time, coordinates[name] = step_time(binary, scene)
-            times[name].append(time)
-    first = times[next(iter(MACHINES))]
-    fields = ["machine", "coordinates", "step_us", "ratio", "least_ratio", "most_ratio"]
+        for name, level in cases:
+            found[name, level].append(cost(binary, MACHINES[name], level))
+    first = [step for step, *_ in found[cases[0]]]
+    fields = ["machine", "level", "coordinates", "step_us", "ratio", "least_ratio", "most_ratio", "real_time", "error_db"]
     rows = []
-    for name, found in times.items():
-        ratios = [time / reference for time, reference in zip(found, first)]
-        row = (statistics.median(found), statistics.median(ratios), min(ratios), max(ratios))
-        rows.append([name, coordinates[name], *(f"{value:.2f}" for value in row)])
+    for (name, level), costs in found.items():
+        steps, speeds, coordinates, errors = zip(*costs)
+        ratios = [step / reference for step, reference in zip(steps, first)]
+        row = (statistics.median(steps), statistics.median(ratios), min(ratios), max(ratios), statistics.median(speeds))
+        rows.append([name, level, coordinates[0], *(f"{value:.2f}" for value in row), f"{max(errors):.3f}"])
     print("\n".join("| " + " | ".join(map(str, row)) + " |" for row in [fields, ["---"] * len(fields), *rows]))
     if options.csv:
         with open(options.csv, "w", encoding="utf-8", newline="") as file:

@@ -11,6 +11,10 @@ import { Spectra } from './spectra.js';
 const isAcceleration = (name) => name.endsWith('.acceleration');
 const isSensor = (name) => name.startsWith('sensor.');
 
+/** Errors of levels by the steps and, on a reduced level, by the model. */
+const levelErrors = ({ level_errors_db: steps, model_errors_db: model = {} }) =>
+  Object.fromEntries(Object.entries(steps).map(([name, error]) => [name, error + (model[name] ?? 0)]));
+
 export class MachineView {
   /** `say(text)` shows a status message. */
   constructor({ say }) {
@@ -61,7 +65,7 @@ export class MachineView {
     const { channels, bearings, model, accuracy, is_stable: isStable } = this.answer;
     const sensors = this.channels.filter(isSensor);
     const shown = sensors.length ? sensors : this.channels.filter((name) => name.endsWith('.y.acceleration'));
-    const errors = accuracy.level_errors_db;
+    const errors = levelErrors(accuracy);
     const of = (name) => {
       const error = errors[name] === undefined ? '' : `± ${number(errors[name], 1)}`;
       return figure(
@@ -85,9 +89,10 @@ export class MachineView {
 
   #levels() {
     const { channels, accuracy } = this.answer;
+    const errors = levelErrors(accuracy);
     const rows = this.channels.map((name) => {
       const { unit, rms, peak, crest_factor: crest, kurtosis, level_db: loud } = channels[name];
-      const error = accuracy.level_errors_db[name];
+      const error = errors[name];
       return [
         channelName(name),
         unit,

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Loss, Machine, MachineError};
 use raceway_core::machine::result::{BearingMetrics, MachineResult, SignalMetrics, SignalSpectra};
-use raceway_core::machine::run::simulate;
+use raceway_core::machine::run::simulate_on;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
+use raceway_core::simulation::input::model_level::ModelLevel;
 use raceway_core::simulation::recording::sampling::RATE;
 use raceway_core::simulation::result::lines::Line;
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,7 @@ use super::failure::{DID_NOT_CONVERGE, NUMERICAL_BLOWUP, RunFailure, SPINDLE_LEF
 use super::headline::{BandAnswer, HeadlineAnswer, bands, in_g, velocity_mm_s};
 use super::messages::{self, MessageAnswer};
 use super::metrics::LineAnswer;
+use super::report::LeftOutAnswer;
 use super::signals::{SeriesHead, SpectrumAnswer, SpectrumKind, unit_of_envelope};
 use crate::contract::job::machine::MachineJob;
 use crate::contract::job::outputs::EnvelopeName;
@@ -153,8 +155,16 @@ pub struct NaturalFrequencyAnswer {
 }
 
 /// Size and steps of the calculation.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MachineModelAnswer {
+    /// Model level of the bearings.
+    // Results of builds before the levels have none.
+    #[serde(default = "full")]
+    #[schema(required = true, example = "full")]
+    pub rung: String,
+    /// Terms that the model level omits. The bound of all together is the largest of `accuracy.model_errors_db`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutAnswer>,
     /// Number of coordinates of the shaft: modes, and static answers of the rest.
     pub coordinates: u64,
     /// Number of first-order states of shaft, balls and cages.
@@ -176,6 +186,15 @@ pub struct MachineAccuracyAnswer {
     pub repeated_s: f64,
     /// Estimated error of the level of each acceleration by its steps [dB], by channel; absent of silent and faint ones.
     pub level_errors_db: BTreeMap<String, f64>,
+    /// Deviation of these levels from a run on `full` over the same time [dB]; absent on `full`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub model_errors_db: Option<BTreeMap<String, f64>>,
+}
+
+/// The level of all results that do not name one.
+fn full() -> String {
+    ModelLevel::Full.name().to_owned()
 }
 
 /// Result and spectra of a machine job.
@@ -200,7 +219,7 @@ pub struct MachineSeries {
 impl MachineOutcome {
     /// Runs the job.
     pub fn of(job: &MachineJob, control: &Control<'_>) -> Result<Self, RunFailure> {
-        let result = simulate(&job.machine, &job.settings, control)?;
+        let result = simulate_on(job.level, &job.machine, &job.settings, control)?;
         let kind = job.settings.envelope.kind;
         let spectra = spectra(&job.machine, &result, kind);
         let (answer, series) = (answer(&job.machine, &result, kind), series(&job.machine, result, control));
@@ -217,6 +236,7 @@ impl From<MachineError> for RunFailure {
             MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. }, .. }
             | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)
+            | MachineError::NotApplicable(_)
             | MachineError::Rotor(_)
             | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
         };
@@ -232,7 +252,10 @@ fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> 
         };
         result.spectra.iter().flat_map(of_channel).collect()
     };
-    let errors = result.accuracy.errors.iter().filter_map(|(channel, error)| Some((named(channel), (*error)?)));
+    let known = |errors: &[(MachineChannel, Option<f64>)]| -> BTreeMap<String, f64> {
+        errors.iter().filter_map(|(channel, error)| Some((named(channel), (*error)?))).collect()
+    };
+    let model_errors_db = result.accuracy.model.as_ref().map(|model| known(&model.levels));
     MachineAnswer {
         headline: headline(machine, result),
         channels: result
@@ -256,6 +279,8 @@ fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> 
             .collect(),
         is_stable: result.growth_rate.map(|rate| rate < 0.0),
         model: MachineModelAnswer {
+            rung: result.level.name().to_owned(),
+            left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
             coordinates: result.coordinates as u64,
             states: result.states as u64,
             step_us: US.to_user(result.accuracy.step),
@@ -263,7 +288,11 @@ fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> 
             duration_s: result.duration,
             evaluations: result.accuracy.evaluations,
         },
-        accuracy: MachineAccuracyAnswer { repeated_s: result.accuracy.window, level_errors_db: errors.collect() },
+        accuracy: MachineAccuracyAnswer {
+            repeated_s: result.accuracy.window,
+            level_errors_db: known(&result.accuracy.errors),
+            model_errors_db,
+        },
         messages: result.warnings.iter().map(|warning| messages::of_machine(machine, warning)).collect(),
     }
 }

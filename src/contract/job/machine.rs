@@ -2,6 +2,7 @@
 
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Machine, MachineBearing};
+use raceway_core::machine::level::{LevelChoice, inapplicability};
 use raceway_core::machine::settings::{MachineSettings, RANGE};
 use raceway_core::numerics::spectrum::EnvelopeAnalysis;
 use raceway_core::physics::kinematics::RingSpeeds;
@@ -63,6 +64,10 @@ pub struct MachineInput {
     /// Highest frequency of the kept modes of the shaft over 20 kHz, the band of the levels [-]. Default 1.5.
     #[schema(nullable = false, example = 1.5)]
     pub mode_range: Option<f64>,
+    /// Model level of the bearings.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub solver: Option<MachineSolverInput>,
     /// Kept time series, and order analysis. Metrics and spectra of every channel are always kept.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
     #[schema(nullable = false)]
@@ -90,6 +95,61 @@ impl ShaftRequest for MachineInput {
     fn service(&mut self) -> ServiceFields<'_> {
         let Self { labels, priority, reuse, keep_for_s, .. } = self;
         ServiceFields { labels, priority, reuse: *reuse, keep_for_s: *keep_for_s }
+    }
+}
+
+/// Model level of the bearings of a machine.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MachineSolverInput {
+    /// Model level of all bearings: `full`, the default, or `radially_condensed`, for radial loads at a constant speed. The first 0.1 s of its record
+    /// are repeated on `full`; the result states the deviation of each level (`accuracy.model_errors_db`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<MachineRungName>)]
+    pub rung: Option<String>,
+    /// Largest accepted error of a level by the model [dB], in place of `rung`. Above 0, `radially_condensed` is tried, and its result is that of
+    /// the job if no level deviates by more from `full`; otherwise the job runs on `full`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, maximum = 20, example = 0.5)]
+    pub model_tolerance_db: Option<f64>,
+}
+
+/// `full`: six degrees of freedom for each ball and the cage. `radially_condensed`: balls in radial equilibrium between their raceways, moments
+/// linear in the tilt of the ring.
+#[derive(ToSchema)]
+#[schema(rename_all = "snake_case")]
+pub enum MachineRungName {
+    Full,
+    RadiallyCondensed,
+}
+
+impl MachineSolverInput {
+    /// The level of a machine. Errors are noted in `defaults`.
+    fn resolve(&self, machine: Option<&Machine>, defaults: &mut Defaults) -> LevelChoice {
+        if let (Some(tolerance_db), Some(_)) = (self.model_tolerance_db, &self.rung) {
+            let detail = format!("{tolerance_db} dB: goes without `rung`, which selects one level");
+            defaults.refuse("/solver/model_tolerance_db", detail);
+        }
+        match (self.rung.as_deref(), self.model_tolerance_db) {
+            (Some("radially_condensed"), _) => {
+                if let Some(reason) = machine.and_then(inapplicability) {
+                    defaults.refuse("/solver/rung", format!("`radially_condensed` does not apply: {reason}"));
+                }
+                LevelChoice::RadiallyCondensed
+            }
+            (Some("full"), _) => LevelChoice::Full,
+            (Some(other), _) => {
+                let shown: String = other.chars().take(100).collect();
+                let detail = format!("`{shown}` is unknown; available: `full`, `radially_condensed`");
+                defaults.refuse("/solver/rung", detail);
+                LevelChoice::Full
+            }
+            (None, Some(tolerance_db)) => {
+                defaults.check("/solver/model_tolerance_db", tolerance_db);
+                if tolerance_db > 0.0 { LevelChoice::Within(tolerance_db) } else { LevelChoice::Full }
+            }
+            (None, None) => LevelChoice::Full,
+        }
     }
 }
 
@@ -124,6 +184,7 @@ pub struct MachineJob {
     pub input: MachineInput,
     pub machine: Machine,
     pub settings: MachineSettings,
+    pub level: LevelChoice,
 }
 
 /// Everything follows from the input.
@@ -140,10 +201,12 @@ impl MachineJob {
         let (input, defaults) = (&mut draft.input, &mut draft.defaults);
         let machine = machine(&mut input.scene, &draft.resolved, defaults);
         let settings = settings(input, machine.as_ref(), defaults);
+        let solver = input.solver.clone().unwrap_or_default();
+        let level = solver.resolve(machine.as_ref(), defaults);
         let (submission, input, _) = draft.finish()?;
         // Without errors there is one.
         let machine = machine.ok_or(Refusal::Invalid { errors: Vec::new() })?;
-        Ok(Self { submission, input, machine, settings })
+        Ok(Self { submission, input, machine, settings, level })
     }
 
     /// The job with all defaults, without the fields that concern only the service.
@@ -156,6 +219,9 @@ impl MachineJob {
         });
         if let Some(outputs) = &self.input.outputs {
             job["outputs"] = given_fields(outputs);
+        }
+        if let Some(solver) = &self.input.solver {
+            job["solver"] = given_fields(solver);
         }
         for (field, value) in [("settle_s", self.input.settle_s), ("step_us", self.input.step_us)] {
             if let Some(value) = value {

@@ -169,3 +169,37 @@ fn drawn_surfaces_of_bearings_differ() {
     job["scene"]["bearings"][1]["surfaces"]["seed"] = json!(1);
     assert_eq!(seeds(&job), [1, 1]);
 }
+
+/// A machine takes a level that can represent it; another is refused with its cause. Without `solver` the job is the same work as ever.
+#[test]
+fn a_machine_takes_the_level_that_can_represent_it() {
+    let with = |solver: Value, is_preloaded: bool| {
+        let mut job = machine("machine", json!({}));
+        if !is_preloaded {
+            job["scene"]["preloads"] = json!([]);
+        }
+        if !solver.is_null() {
+            job["solver"] = solver;
+        }
+        parsed(&job)
+    };
+    let plain = with(Value::Null, false).unwrap();
+    assert!(plain.complete().get("solver").is_none());
+    for solver in [json!({ "rung": "radially_condensed" }), json!({ "model_tolerance_db": 0.5 })] {
+        let job = with(solver.clone(), false).unwrap();
+        assert_eq!(job.complete()["solver"], solver);
+        assert_ne!(job.canonical(), plain.canonical());
+        assert_eq!(parsed(&job.complete()).unwrap().canonical(), job.canonical());
+    }
+    for (solver, pointer, detail) in [
+        (json!({ "rung": "radially_condensed" }), "/solver/rung", "bearing A"),
+        (json!({ "rung": "planar" }), "/solver/rung", "available: `full`, `radially_condensed`"),
+        (json!({ "model_tolerance_db": 21 }), "/solver/model_tolerance_db", "20 dB"),
+        (json!({ "rung": "full", "model_tolerance_db": 0.5 }), "/solver/model_tolerance_db", "goes without `rung`"),
+        (json!({ "method": "auto" }), "/solver/method", "unknown"),
+    ] {
+        let errors = with(solver, true).unwrap_err();
+        let found = errors.iter().any(|(at, text)| at == pointer && text.contains(detail));
+        assert!(found, "{pointer}: {errors:?}");
+    }
+}

@@ -2,18 +2,21 @@
 
 use super::frame::Frame;
 use super::input::{Loss, Machine, MachineError};
+use crate::physics::bearing::PerRaceway;
+use crate::physics::frames::Vector;
 use crate::physics::spindle::{AxialHold, SpindleInertia, SpindleTilt};
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::physics::statics::shaft::Mounted;
 use crate::simulation::error::codes::Warning;
 use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::Mechanism;
 use crate::simulation::model::dynamics::Full;
 use crate::simulation::model::dynamics::on_ring::{RingLoad, Rings};
 use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::radially_condensed::RadiallyCondensed;
 use crate::simulation::model::state::SpindleState;
-use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::solve::surface_warnings::contact_warnings;
@@ -22,12 +25,46 @@ use crate::simulation::solve::surface_warnings::contact_warnings;
 #[derive(Debug, Clone)]
 pub struct BearingOnShaft {
     pub dynamics: Full,
+    /// `Some`: steps are those of this model, whose ring moves in the plane.
+    pub condensed: Option<CondensedBearing>,
     /// Its facing, and the place of its outer ring at rest, to which its state refers.
     pub mounted: Mounted,
     /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
     pub outer_rest: Option<[f64; 5]>,
+    /// Largest load of the shaft on it by the linear analysis [N].
+    pub largest_load: [f64; 3],
     /// Limits of what a run can say about its surfaces.
     pub surface_warnings: Vec<Warning>,
+}
+
+/// A bearing on `radially_condensed`.
+#[derive(Debug, Clone)]
+pub struct CondensedBearing {
+    pub model: RadiallyCondensed,
+    pub tilt: TiltHold,
+}
+
+/// Moments of the balls on the inner ring, linear in its tilt about the operating point.
+#[derive(Debug, Clone, Copy)]
+pub struct TiltHold {
+    /// Tilts [rad] and moments [N m] of the operating point, about Y and Z in the bearing's own axes.
+    pub rest: [f64; 2],
+    pub moment: [f64; 2],
+    /// [N m/rad], [N m s/rad]
+    pub stiffness: [[f64; 2]; 2],
+    pub damping: [[f64; 2]; 2],
+}
+
+impl TiltHold {
+    /// Moments on a ring.
+    pub(super) fn moment(&self, ring: &SpindleState) -> [f64; 2] {
+        std::array::from_fn(|row| {
+            (0..2).fold(self.moment[row], |sum, column| {
+                let apart = ring.tilt[column] - self.rest[column];
+                sum - self.stiffness[row][column] * apart - self.damping[row][column] * ring.tilt_rate[column]
+            })
+        })
+    }
 }
 
 impl BearingOnShaft {
@@ -59,12 +96,12 @@ impl BearingOnShaft {
         Some(Loss::Left { bearing: bearing(), departure })
     }
 
-    /// Reason why the bearing of this name cannot carry these loads of its balls.
-    pub(crate) fn loss_of_balls(&self, name: &str, loads: PackedStepLoads<'_>) -> Option<Loss> {
+    /// Reason why the bearing of this name cannot carry the loads of its balls, by their numbers.
+    pub(crate) fn loss_of_balls(&self, name: &str, loads: impl Fn(usize) -> PerRaceway<f64>) -> Option<Loss> {
         let mechanism = self.dynamics.mechanism();
         let raceway = &mechanism.raceway;
         let pressed = (0..mechanism.layout.balls).map(|ball| {
-            let load = loads.of(ball).load;
+            let load = loads(ball);
             let depth = raceway.inner.relative_depth(load.inner).max(raceway.outer.relative_depth(load.outer));
             (load.inner.max(load.outer), depth)
         });
@@ -90,16 +127,12 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
     let mut bearings = Vec::with_capacity(machine.bearings.len());
     for (index, (moving, placed)) in machine.bearings.iter().zip(&machine.rotor.bearings).enumerate() {
         let [x, y, z, _, _] = frame.system.operating[0].rings[index].wrench;
-        let mut scene = moving.scene.clone();
-        scene.operation.speed = machine.speed.clone();
-        scene.operation.outer_speed = machine.outer_speed.clone();
         // The shaft presses with the opposite of what the balls exert, and with all that may be added to it.
-        scene.operation.load = std::array::from_fn(|axis| {
+        let largest_load = std::array::from_fn(|axis| {
             let load = -[x, y, z][axis];
             load + most[axis].copysign(load)
         });
-        scene.operation.misalignment = [0.0; 2];
-        scene.gravity = machine.rotor.gravity;
+        let mut scene = scene_on_shaft(machine, index, largest_load);
         scene.spindle.axial = AxialHold::Free;
         scene.spindle.tilt = SpindleTilt::Free(SpindleInertia { transverse: 1.0, axial: 1.0 });
         let failed = |source: SimulationError| MachineError::Bearing { bearing: moving.name.clone(), source };
@@ -114,7 +147,25 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
         for (value, rest) in mounted.outer.iter_mut().zip(outer_rest.unwrap_or_default()) {
             *value += rest;
         }
-        bearings.push(BearingOnShaft { dynamics: Full::new(mechanism), mounted, outer_rest, surface_warnings });
+        bearings.push(BearingOnShaft {
+            dynamics: Full::new(mechanism),
+            condensed: None,
+            largest_load,
+            mounted,
+            outer_rest,
+            surface_warnings,
+        });
     }
     Ok(bearings)
+}
+
+/// The scene of a bearing under a load of the shaft [N].
+pub(super) fn scene_on_shaft(machine: &Machine, index: usize, load: Vector) -> Scene {
+    let mut scene = machine.bearings[index].scene.clone();
+    scene.operation.speed = machine.speed.clone();
+    scene.operation.outer_speed = machine.outer_speed.clone();
+    scene.operation.load = load;
+    scene.operation.misalignment = [0.0; 2];
+    scene.gravity = machine.rotor.gravity;
+    scene
 }

@@ -22,6 +22,21 @@ pub enum MachineWarning {
     Surface { bearing: usize, warning: Warning },
     /// Longer steps were tried and rejected.
     StepRejected(RejectedStep),
+    /// The selected model level deviates from `full` by more than is allowed.
+    ModelNotConfirmed(LevelDeviation),
+    /// `radially_condensed` was tried, and `full` took its place.
+    LevelRejected(LevelDeviation),
+    /// `radially_condensed` could not be tried, and `full` took its place.
+    LevelNotEligible(String),
+}
+
+/// Largest deviation of a level from `full` [dB], over the time that was repeated [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelDeviation {
+    pub channel: MachineChannel,
+    pub error_db: f64,
+    pub allowed_db: f64,
+    pub window: f64,
 }
 
 /// Reason why no shorter step was tried.

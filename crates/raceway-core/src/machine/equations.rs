@@ -6,6 +6,7 @@ use super::input::{Machine, MachineError};
 use crate::numerics::ode::OdeSystem;
 use crate::physics::operation::SpeedProfile;
 use crate::rotor::input::rising;
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::model::dynamics::Watch;
 use crate::simulation::model::dynamics::on_ring::{RingLoads, Rings};
 
@@ -34,6 +35,11 @@ impl MachineDynamics {
         Ok(Self { frame, bearings, speed, outer_speed })
     }
 
+    /// Whether loads of bearings depend on the accelerations of their rings.
+    pub(super) fn needs_accelerations(&self) -> bool {
+        self.bearings.iter().any(|bearing| bearing.condensed.is_some())
+    }
+
     /// Places and velocities of the coordinates of shaft and housing in a state.
     pub fn coordinates<'y>(&self, state: &'y [f64]) -> (&'y [f64], &'y [f64]) {
         let size = self.frame.len();
@@ -56,6 +62,20 @@ impl MachineDynamics {
         if let Some(outer) = &self.frame.outer[bearing] {
             self.frame.ports[outer.port].add_forces(&of.on_shaft(&loads.outer), forces);
         }
+    }
+
+    /// Model level of the bearings.
+    pub fn level(&self) -> ModelLevel {
+        if self.needs_accelerations() { ModelLevel::RadiallyCondensed } else { ModelLevel::Full }
+    }
+
+    /// Number of first-order states in the steps of a run.
+    pub fn states(&self) -> usize {
+        let of_bearing = |bearing: &BearingOnShaft| match &bearing.condensed {
+            None => bearing.entries(),
+            Some(condensed) => condensed.model.states_on_ring(),
+        };
+        self.bearings.iter().map(of_bearing).sum::<usize>() + 2 * self.frame.len()
     }
 
     /// Entries of each bearing in a state.

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::inapplicable::MachineInapplicable;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::rotor::input::{Rotor, RotorError};
@@ -42,6 +43,9 @@ pub enum MachineError {
     Rotor(#[from] RotorError),
     #[error("bearing {bearing}: {source}")]
     Bearing { bearing: String, source: SimulationError },
+    /// The selected model level cannot represent the machine.
+    #[error("radially_condensed: {0}")]
+    NotApplicable(MachineInapplicable),
     /// No bearing can hold the motion any more.
     #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy())]
     Lost { time: f64, cause: Loss, steps: StepsOfLoss },

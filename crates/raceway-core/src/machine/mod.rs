@@ -5,6 +5,7 @@
 
 pub mod channel;
 pub mod codes;
+pub mod inapplicable;
 pub mod input;
 pub mod result;
 pub mod run;
@@ -15,10 +16,12 @@ pub mod settings;
 pub mod bearing;
 pub mod equations;
 pub mod frame;
+pub mod level;
 pub mod start;
 
 mod growth;
 
+pub(crate) mod bearing_stepper;
 pub(crate) mod propagator;
 pub(crate) mod stepping;
 

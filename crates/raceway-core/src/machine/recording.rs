@@ -8,9 +8,8 @@ use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
 use crate::numerics::lanes::{InstructionSet, Task};
-use crate::physics::frames::{Vector, length};
+use crate::physics::frames::length;
 use crate::simulation::input::channel::{Axis, Motion};
-use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::recording::sampling::{RATE, kept_values};
 
 /// Steps per sample from which samples resolve all motion that the steps leave.
@@ -162,12 +161,8 @@ impl<'m> Recorder<'m> {
                 MachineChannel::Tilt(bearing, axis) => rings[bearing].displacement[tilt(axis)],
                 MachineChannel::Force(bearing, axis) => -stepper.wrench(bearing)[axis as usize],
                 MachineChannel::Moment(bearing, axis) => -stepper.wrench(bearing)[tilt(axis)],
-                MachineChannel::CageSpeed(bearing) => {
-                    cage_speed(dynamics, bearing, stepper.bearings()[bearing].state(), time)
-                }
-                MachineChannel::BallSpin(bearing) => {
-                    spin(dynamics, bearing, stepper.bearings()[bearing].state(), 0, time)[0]
-                }
+                MachineChannel::CageSpeed(bearing) => stepper.bearings()[bearing].cage_speed(time),
+                MachineChannel::BallSpin(bearing) => stepper.bearings()[bearing].spin(0, time)[0],
                 MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor]],
                 MachineChannel::Body(body, axis, motion) => bodies[body].of(motion)[axis as usize],
             };
@@ -178,24 +173,21 @@ impl<'m> Recorder<'m> {
         let time = stepper.time();
         for (index, (record, of)) in self.bearings.iter_mut().zip(stepper.bearings()).enumerate() {
             let m = self.dynamics.bearings[index].dynamics.mechanism();
-            let loads = PackedStepLoads(of.step_loads());
             let mut spin_sum = 0.0;
             for ball in 0..m.layout.balls {
-                let now = loads.of(ball);
+                let now = of.seen(ball);
                 record.inner_load = record.inner_load.max(now.load.inner);
                 record.outer_load = record.outer_load.max(now.load.outer);
                 record.pocket_load = record.pocket_load.max(now.pocket);
-                for (load, square) in [(now.load.inner, now.slip_square.inner), (now.load.outer, now.slip_square.outer)]
-                {
+                for (load, slip) in [(now.load.inner, now.slip.inner), (now.load.outer, now.slip.outer)] {
                     if load > 0.0 {
-                        record.slip = record.slip.max(square.sqrt());
+                        record.slip = record.slip.max(slip);
                     }
                 }
-                spin_sum += length(spin(self.dynamics, index, of.state(), ball, time)) / m.layout.balls as f64;
+                spin_sum += length(of.spin(ball, time)) / m.layout.balls as f64;
             }
             record.steps += 1.0;
-            record.cage_speed +=
-                (cage_speed(self.dynamics, index, of.state(), time) - record.cage_speed) / record.steps;
+            record.cage_speed += (of.cage_speed(time) - record.cage_speed) / record.steps;
             record.ball_spin += (spin_sum - record.ball_spin) / record.steps;
         }
     }
@@ -244,23 +236,4 @@ impl Moved {
             Motion::Acceleration => &self.acceleration,
         }
     }
-}
-
-/// Speed of the cage; without a cage, mean orbit speed of the balls [rad/s].
-fn cage_speed(dynamics: &MachineDynamics, bearing: usize, state: &[f64], time: f64) -> f64 {
-    let m = dynamics.bearings[bearing].dynamics.mechanism();
-    let balls = m.layout.balls;
-    let arc_velocity = match m.layout.cage {
-        true => m.layout.cage(state).arc_velocity,
-        false => (0..balls).map(|ball| m.layout.ball(state, ball).arc_velocity).sum::<f64>() / balls as f64,
-    };
-    m.orbit_speed(&m.rotations(time), arc_velocity)
-}
-
-/// Spin of a ball in the orbit frame [rad/s].
-fn spin(dynamics: &MachineDynamics, bearing: usize, state: &[f64], ball: usize, time: f64) -> Vector {
-    let m = dynamics.bearings[bearing].dynamics.mechanism();
-    let state = m.layout.ball(state, ball);
-    let about_x = m.rotations(time).turn_speed + state.spin[0] - state.arc_velocity / m.pitch_radius;
-    [about_x, state.spin[1], state.spin[2]]
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
-use super::codes::MachineWarning;
+use super::codes::{LevelDeviation, MachineWarning};
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
 use super::recording::{BearingRecord, MachineRecording};
@@ -13,11 +13,15 @@ use crate::numerics::statistics::mean;
 use crate::physics::kinematics::{BodySpeeds, CharacteristicFrequencies, RingSpeeds, ideal_orbit_ratio};
 use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::error::stationarity::trend_of;
+use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::model::omission::{Condensation, OmissionReason};
+use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
 use crate::simulation::result::metrics::level_db;
+use crate::simulation::solve::eligibility::omissions;
 
 /// The result of a run, in the units of the channels.
 #[derive(Debug, Clone)]
@@ -33,6 +37,9 @@ pub struct MachineResult {
     /// Number of coordinates of the shaft, and of states of the whole.
     pub coordinates: usize,
     pub states: usize,
+    /// Model level of the bearings, and the terms that it omits.
+    pub level: ModelLevel,
+    pub left_out: Vec<LeftOut>,
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
@@ -89,6 +96,25 @@ pub struct Accuracy {
     pub errors: Vec<(MachineChannel, Option<f64>)>,
     /// Evaluations of the bearings, repetitions included.
     pub evaluations: u64,
+    /// Deviations from `full` of a run on another level.
+    pub model: Option<ModelErrors>,
+}
+
+/// Deviations of a run from one on `full`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelErrors {
+    /// Time that was repeated on `full` [s].
+    pub window: f64,
+    /// Of the level of each acceleration [dB]; `None` where it is silent or faint.
+    pub levels: Vec<(MachineChannel, Option<f64>)>,
+}
+
+impl ModelErrors {
+    /// The largest.
+    pub fn largest(&self) -> Option<(MachineChannel, f64)> {
+        let known = self.levels.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
+        known.max_by(|one, other| one.1.total_cmp(&other.1))
+    }
 }
 
 impl MachineResult {
@@ -123,7 +149,9 @@ impl MachineResult {
                 .filter(|(frequency, _)| *frequency < BAND)
                 .collect(),
             coordinates: dynamics.frame.len(),
-            states: crate::numerics::ode::OdeSystem::dimension(dynamics),
+            states: dynamics.states(),
+            level: dynamics.level(),
+            left_out: left_out(dynamics.level()),
             settle: recording.start,
             duration: recording.signals[0].1.len() as f64 / RATE,
             growth_rate: system.growth_rate(speed).ok(),
@@ -132,6 +160,25 @@ impl MachineResult {
             bearings,
         }
     }
+}
+
+impl MachineResult {
+    /// The largest deviation from `full`, if it is larger than a tolerance [dB].
+    pub(super) fn beyond(&self, allowed_db: f64) -> Option<LevelDeviation> {
+        let model = self.accuracy.model.as_ref()?;
+        let (channel, error_db) = model.largest()?;
+        (error_db > allowed_db).then_some(LevelDeviation { channel, error_db, allowed_db, window: model.window })
+    }
+}
+
+/// Terms that a reduced level omits; the bound of all together is the deviation from `full` that a run shows.
+fn left_out(level: ModelLevel) -> Vec<LeftOut> {
+    if level == ModelLevel::Full {
+        return Vec::new();
+    }
+    let reason = OmissionReason::Condensed(level, Condensation::LinearMoments);
+    let tilt = LeftOut { term: "tilt", reason, by: Justification::Judgement, bound: None };
+    omissions(level, true).into_iter().chain([tilt]).collect()
 }
 
 fn metrics(channel: MachineChannel, values: &[f64], edges: &[f64]) -> SignalMetrics {

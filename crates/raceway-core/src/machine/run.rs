@@ -2,22 +2,23 @@
 
 use std::f64::consts::TAU;
 
+use super::bearing::BearingOnShaft;
+use super::bearing_stepper::BearingStepper;
 use super::channel::MachineChannel;
 use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
+use super::level::LevelChoice;
 use super::recording::{MachineRecording, Recorder};
-use super::result::{Accuracy, MachineResult};
+use super::result::{Accuracy, MachineResult, ModelErrors};
 use super::settings::MachineSettings;
 use super::start::start_state;
-use super::stepping::{MachineStepper, StepLength};
-use super::warnings::{limit_of_step, warnings};
+use super::stepping::{MachineStepper, StepLength, stiffness_of_step};
+use super::warnings::{MOST_STIFFNESS, limit_of_step, warnings};
 use crate::numerics::statistics::rms;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
-use crate::simulation::model::dynamics::on_ring::RingStepper;
-use crate::simulation::model::step_loads::PackedStepLoads;
 use crate::simulation::solve::fixed_step::AXIAL_STEP;
 use crate::simulation::solve::startup::{CAGE_SETTLE_RANGE_S, MAX_SETTLE_S, SETTLE_CAGE_TURNS, SETTLED_EFOLDS};
 
@@ -32,9 +33,22 @@ const REPEATED: f64 = 0.1;
 const ALLOWED_DB: f64 = 0.1;
 /// Share of the progress that the first run takes.
 const RUN_SHARE: f64 = 0.6;
+/// Share of the progress that a reduced level takes beside its verification on `full`, and both where `full` may follow.
+const LEVEL_SHARE: f64 = 0.3;
+const TRIAL_SHARE: f64 = 0.4;
 
-/// Simulates a machine. The same arguments give the same bits.
+/// Simulates a machine on the level `full`. The same arguments give the same bits.
 pub fn simulate(
+    machine: &Machine,
+    settings: &MachineSettings,
+    control: &Control<'_>,
+) -> Result<MachineResult, MachineError> {
+    simulate_on(LevelChoice::Full, machine, settings, control)
+}
+
+/// Simulates a machine on a level. The same arguments give the same bits.
+pub fn simulate_on(
+    level: LevelChoice,
     machine: &Machine,
     settings: &MachineSettings,
     control: &Control<'_>,
@@ -46,15 +60,15 @@ pub fn simulate(
     let settle = settings.settle.unwrap_or_else(|| settling_time(&dynamics));
     check_growth(machine, &dynamics, settle, settings.duration)?;
     let start = start_state(machine, &dynamics)?;
-    let run = Run { machine, dynamics: &dynamics, start: &start, settle };
-    let window = settings.duration.min(REPEATED);
-    let Confirmed { recording, errors, step, last, rejections, work, .. } =
-        run.confirmed(settings.step, [settings.duration, window], control)?;
-    let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations };
-    let mut result = MachineResult::of(machine, &dynamics, recording, settings, accuracy);
-    result.warnings = warnings(machine, &dynamics, &result, (ALLOWED_DB, last));
-    result.warnings.extend(rejections);
-    Ok(result)
+    let full = Run { machine, dynamics: &dynamics, start: &start, settle };
+    match level {
+        LevelChoice::Full => full.result(settings, None, control),
+        LevelChoice::RadiallyCondensed => {
+            let condensed = dynamics.clone().radially_condensed(machine)?;
+            Run { dynamics: &condensed, ..full }.result(settings, Some(&full), control)
+        }
+        LevelChoice::Within(tolerance_db) => full.leanest(settings, tolerance_db, control),
+    }
 }
 
 /// A run in steps that half steps confirm.
@@ -100,6 +114,7 @@ impl Unrecorded {
 }
 
 /// A run from the start.
+#[derive(Clone, Copy)]
 pub(super) struct Run<'a> {
     pub machine: &'a Machine,
     pub dynamics: &'a MachineDynamics,
@@ -108,6 +123,73 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// The result, with deviations from a run on `full` where this one is on another level.
+    fn result(
+        &self,
+        settings: &MachineSettings,
+        full: Option<&Self>,
+        control: &Control<'_>,
+    ) -> Result<MachineResult, MachineError> {
+        let window = settings.duration.min(REPEATED);
+        let times = [settings.duration, window];
+        let own_share = if full.is_some() { LEVEL_SHARE } else { 1.0 };
+        let Confirmed { recording, errors, step, last, rejections, mut work, .. } =
+            control.part((0.0, own_share), |control| self.confirmed(settings.step, times, control))?;
+        let model = match full {
+            None => None,
+            Some(full) => Some(
+                control.part((own_share, 1.0), |control| full.deviations(&recording, window, control, &mut work))?,
+            ),
+        };
+        let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations, model };
+        let mut result = MachineResult::of(self.machine, self.dynamics, recording, settings, accuracy);
+        result.warnings = warnings(self.machine, self.dynamics, &result, (ALLOWED_DB, last));
+        result.warnings.extend(rejections);
+        Ok(result)
+    }
+
+    /// The result on `radially_condensed` where no level deviates by more than a tolerance [dB], else on this one.
+    fn leanest(
+        &self,
+        settings: &MachineSettings,
+        tolerance_db: f64,
+        control: &Control<'_>,
+    ) -> Result<MachineResult, MachineError> {
+        let trial = |control: &Control<'_>| {
+            let condensed = self.dynamics.clone().radially_condensed(self.machine)?;
+            Run { dynamics: &condensed, ..*self }.result(settings, Some(self), control)
+        };
+        let reason = match control.part((0.0, TRIAL_SHARE), trial) {
+            Err(stopped @ MachineError::Stopped(_)) => return Err(stopped),
+            Err(error) => MachineWarning::LevelNotEligible(error.to_string()),
+            Ok(mut result) => match result.beyond(tolerance_db) {
+                None => {
+                    result.warnings.retain(|warning| !matches!(warning, MachineWarning::ModelNotConfirmed(_)));
+                    return Ok(result);
+                }
+                Some(deviation) => MachineWarning::LevelRejected(deviation),
+            },
+        };
+        let mut result = control.part((TRIAL_SHARE, 1.0), |control| self.result(settings, None, control))?;
+        result.warnings.push(reason);
+        Ok(result)
+    }
+
+    /// Deviations of the levels of a recording from those of this run over its first part [s].
+    fn deviations(
+        &self,
+        recording: &MachineRecording,
+        window: f64,
+        control: &Control<'_>,
+        work: &mut Work,
+    ) -> Result<ModelErrors, MachineError> {
+        let step = StepLength { longest: first_step(self.dynamics), share: 1.0 };
+        let of_full = self
+            .record(window, step, control, work)
+            .map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))?;
+        Ok(ModelErrors { window, levels: level_deviations(recording, &of_full) })
+    }
+
     /// Records the first of two times after settling [s]. Its steps are the selected ones [s], or the longest for which half steps confirm
     /// the levels over the second time.
     pub(super) fn confirmed(
@@ -196,12 +278,12 @@ impl Run<'_> {
     /// Refuses a motion that no bearing can hold any more.
     fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), Unrecorded> {
         let [place, velocity, _] = stepper.coordinates();
-        let loss = |(index, of): (usize, &RingStepper<'_>)| {
+        let loss = |(index, of): (usize, &BearingStepper<'_>)| {
             let (bearing, name) = (&self.dynamics.bearings[index], &self.machine.bearings[index].name);
             let collision = of.touching().map(|_| Loss::Collision { bearing: name.clone() });
             collision
                 .or_else(|| bearing.loss_of_ring(name, self.dynamics.rings(index, place, velocity).apart()))
-                .or_else(|| bearing.loss_of_balls(name, PackedStepLoads(of.step_loads())))
+                .or_else(|| bearing.loss_of_balls(name, |ball| of.seen(ball).load))
         };
         match stepper.bearings().iter().enumerate().find_map(loss) {
             None => Ok(()),
@@ -223,15 +305,33 @@ pub(super) fn settling_time(dynamics: &MachineDynamics) -> f64 {
     if rate < 0.0 { (SETTLED_EFOLDS / -rate).clamp(turning, MAX_SETTLE_S) } else { turning }
 }
 
-/// First step that is tried [s]. It resolves the waves and defects of every bearing.
+/// First step that is tried [s]. It resolves the waves and defects of every bearing, and the correction of the ports' forces is stable where
+/// balls are condensed.
 fn first_step(dynamics: &MachineDynamics) -> f64 {
-    let mechanisms = dynamics.bearings.iter().map(|bearing| bearing.dynamics.mechanism());
-    mechanisms.map(|m| m.longest_wave_step().min(m.defect_step)).fold(AXIAL_STEP, f64::min)
+    let of_bearing = |bearing: &BearingOnShaft| {
+        let m = bearing.dynamics.mechanism();
+        let longest = bearing.condensed.as_ref().map_or(AXIAL_STEP, |condensed| condensed.model.longest_step_on_ring());
+        m.longest_wave_step().min(m.defect_step).min(longest)
+    };
+    let mut step = dynamics.bearings.iter().map(of_bearing).reduce(f64::min).unwrap_or(AXIAL_STEP);
+    while step > AXIAL_STEP && stiffness_of_step(dynamics, step) > MOST_STIFFNESS {
+        step *= 0.5;
+    }
+    step
 }
 
 /// Estimated error of the level of each acceleration [dB], from a run in half steps over the first part of the time; `None` where both are
 /// silent or faint.
 fn level_errors(recording: &MachineRecording, again: &MachineRecording) -> Vec<(MachineChannel, Option<f64>)> {
+    let mut deviations = level_deviations(recording, again);
+    for (_, deviation) in &mut deviations {
+        *deviation = deviation.map(|deviation| ERROR_OVER_DEVIATION * deviation);
+    }
+    deviations
+}
+
+/// Deviation of the level of each acceleration over the first part of the time [dB]; `None` where both are silent or faint.
+fn level_deviations(recording: &MachineRecording, again: &MachineRecording) -> Vec<(MachineChannel, Option<f64>)> {
     let accelerations = || recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
     let strongest = accelerations().map(|(_, values)| rms(values)).fold(0.0, f64::max);
     let of = |(channel, values): &(MachineChannel, Vec<f64>)| {
@@ -240,8 +340,7 @@ fn level_errors(recording: &MachineRecording, again: &MachineRecording) -> Vec<(
         if rms(values) < strongest * 10_f64.powf(-FAINT / 20.0) {
             return (*channel, None);
         }
-        let error = level_of_both(&values[..repeated.len().min(values.len())], repeated);
-        (*channel, error.map(|error| ERROR_OVER_DEVIATION * error))
+        (*channel, level_of_both(&values[..repeated.len().min(values.len())], repeated))
     };
     accelerations().map(of).collect()
 }

@@ -9,13 +9,15 @@
 
 use nalgebra::DMatrix;
 
+use super::bearing_stepper::{BearingStepper, PortLoad, Predicted, Resistance};
 use super::equations::MachineDynamics;
+use super::frame::Frame;
 use super::propagator::{NODES, Propagator};
 use crate::numerics::dense::solve;
 use crate::numerics::lanes::{InstructionSet, Task};
 use crate::numerics::ode::adams::ahead;
+use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::statics::Matrix;
-use crate::simulation::model::dynamics::on_ring::{RingNode, RingStepper};
 
 /// Number of entries of a port.
 const PORT: usize = 5;
@@ -64,22 +66,15 @@ struct Stretch {
     left: u64,
 }
 
-/// Nodes at full distance while short steps build the past, oldest first.
-struct Past {
-    /// Of each bearing.
-    bearings: Vec<Vec<RingNode>>,
-    forces: Vec<Forces>,
-}
-
 /// A machine between two steps.
 pub(crate) struct MachineStepper<'m> {
     dynamics: &'m MachineDynamics,
-    bearings: Vec<RingStepper<'m>>,
+    bearings: Vec<BearingStepper<'m>>,
     length: StepLength,
     kinks: Vec<f64>,
     stretch: Stretch,
-    /// `Some` in the first steps of a stretch.
-    start: Option<Past>,
+    /// `Some` in the first steps of a stretch: forces at full distance while short steps build the past, oldest first.
+    start: Option<Vec<Forces>>,
     /// Full step of the stretch, and the present one.
     full_step: f64,
     step: f64,
@@ -114,6 +109,10 @@ struct Formulas {
     /// Displacements and velocities of the ports in the step by forces at the new node, row by row.
     places: Vec<f64>,
     velocities: Vec<f64>,
+    /// Accelerations of the ports by the same forces, row by row, and the shares of each port's own radial ones in its place and velocity; of bearings
+    /// whose load depends on accelerations.
+    accelerations: Vec<f64>,
+    shares: Vec<Shares>,
 }
 
 impl Formulas {
@@ -134,7 +133,23 @@ impl Formulas {
             matrix
         };
         let (places, velocities) = (compliance(&propagator.place[0]), compliance(&propagator.velocity[0]));
-        Self { propagator, ahead: ahead(known), places, velocities }
+        let (mut accelerations, mut shares) = (Vec::new(), Vec::new());
+        if dynamics.needs_accelerations() {
+            let of_mode = |k: usize| {
+                1.0 - frame.damping[k] * propagator.velocity[0][k] - frame.squares[k] * propagator.place[0][k]
+            };
+            accelerations = compliance(&(0..frame.len()).map(of_mode).collect::<Vec<f64>>());
+            // Over Y and Z together.
+            let radial = |matrix: &[f64], port: usize| -> f64 {
+                [1, 2].map(|axis| matrix[(PORT * port + axis) * (size + 1)]).iter().sum()
+            };
+            let share = |port: usize| {
+                let own = radial(&accelerations, port);
+                Shares { place: radial(&places, port) / own, velocity: radial(&velocities, port) / own }
+            };
+            shares = (0..dynamics.bearings.len()).map(share).collect();
+        }
+        Self { propagator, ahead: ahead(known), places, velocities, accelerations, shares }
     }
 }
 
@@ -178,25 +193,28 @@ impl<'m> MachineStepper<'m> {
     pub(crate) fn new(dynamics: &'m MachineDynamics, time: f64, state: &[f64], length: StepLength) -> Self {
         let (size, ports) = (dynamics.frame.len(), PORT * dynamics.frame.ports.len());
         let (place, velocity) = dynamics.coordinates(state);
-        let ring = |(index, part): (usize, &[f64])| {
-            RingStepper::new(
-                &dynamics.bearings[index].dynamics,
-                time,
-                part,
-                dynamics.rings(index, place, velocity).inner,
-            )
+        let stepper = |(index, part): (usize, &[f64])| {
+            BearingStepper::new(&dynamics.bearings[index], time, part, dynamics.rings(index, place, velocity))
         };
+        let bearings: Vec<_> = dynamics.parts(state).into_iter().enumerate().map(stepper).collect();
+        let first: Vec<_> = bearings
+            .iter()
+            .enumerate()
+            .map(|(index, stepper)| stepper.first_load(&dynamics.rings(index, place, velocity)))
+            .collect();
         let mut rates = vec![0.0; state.len()];
         let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
         let of_rings = || dynamics.bearings.iter().zip(&loads.rings);
-        let on_shaft = of_rings().flat_map(|(bearing, load)| bearing.on_shaft(&load.inner));
+        let on_shaft = of_rings()
+            .zip(first)
+            .flat_map(|((bearing, load), first)| first.unwrap_or_else(|| bearing.on_shaft(&load.inner)));
         let moving = of_rings().zip(&dynamics.frame.outer).filter(|(_, outer)| outer.is_some());
         let on_housing = moving.flat_map(|((bearing, load), _)| bearing.on_shaft(&load.outer));
         let mut forces = Forces { ports: on_shaft.chain(on_housing).collect(), rest: vec![0.0; size], sum: Vec::new() };
         dynamics.frame.forces(time, dynamics.speed.at(time), place, velocity, &mut forces.rest);
         forces.add_up(dynamics);
         let mut stepper = Self {
-            bearings: dynamics.parts(state).into_iter().enumerate().map(ring).collect(),
+            bearings,
             length,
             kinks: dynamics.kinks(),
             stretch: Stretch { end: time, left: 0 },
@@ -245,8 +263,8 @@ impl<'m> MachineStepper<'m> {
         self.known = 1;
         self.step = self.full_step / START as f64;
         self.formulas = Formulas::new(dynamics, self.step, self.known);
-        self.bearings.iter_mut().for_each(RingStepper::begin);
-        self.start = Some(Past { bearings: self.bearings.iter().map(|_| Vec::new()).collect(), forces: Vec::new() });
+        self.bearings.iter_mut().for_each(BearingStepper::begin);
+        self.start = Some(Vec::new());
     }
 
     /// One step, the first of a stretch in short steps of rising order, compiled for the processor's instructions.
@@ -262,20 +280,18 @@ impl<'m> MachineStepper<'m> {
         }
     }
 
-    fn advance_start(&mut self, mut past: Past) {
-        past.bearings.iter_mut().zip(&self.bearings).for_each(|(nodes, bearing)| nodes.push(bearing.node()));
-        past.forces.push(self.past[0].clone());
+    fn advance_start(&mut self, mut past: Vec<Forces>) {
+        self.bearings.iter_mut().for_each(BearingStepper::keep);
+        past.push(self.past[0].clone());
         for _ in 0..START {
             self.instructions.run(Step(self));
         }
-        if past.forces.len() < BEARING_NODES - 1 {
+        if past.len() < BEARING_NODES - 1 {
             self.start = Some(past);
             return;
         }
-        for (bearing, nodes) in self.bearings.iter_mut().zip(past.bearings) {
-            bearing.set_past(nodes.into_iter().rev().collect());
-        }
-        for (node, old) in self.past[1..].iter_mut().zip(past.forces.into_iter().rev()) {
+        self.bearings.iter_mut().for_each(BearingStepper::recall);
+        for (node, old) in self.past[1..].iter_mut().zip(past.into_iter().rev()) {
             *node = old;
         }
         self.step = self.full_step;
@@ -298,20 +314,34 @@ impl<'m> MachineStepper<'m> {
         let size = PORT * frame.ports.len();
         matrix.fill(0.0);
         (0..size).for_each(|k| matrix[k * size + k] = 1.0);
+        let needs_accelerations = !formulas.accelerations.is_empty();
+        if needs_accelerations {
+            accelerations(frame, &new.sum, place, velocity, foreseen);
+        }
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
-            let rings = dynamics.rings(index, place, velocity);
-            let bearing = &dynamics.bearings[index];
-            let [inner, outer] = stepper.advance(end, self.step, rings);
+            let mut predicted = Predicted {
+                rings: dynamics.rings(index, place, velocity),
+                acceleration: [0.0; 2],
+                shares: Shares::default(),
+            };
+            if needs_accelerations {
+                let [_, y, z, _, _] = frame.ports[index].of_place(foreseen);
+                (predicted.acceleration, predicted.shares) = ([y, z], formulas.shares[index]);
+            }
+            let [inner, outer] = stepper.advance(end, self.step, &predicted);
             let of_outer = frame.outer[index].as_ref().map(|port| (port.port, outer));
-            for (port, (load, resistance)) in [(index, inner)].into_iter().chain(of_outer) {
+            for (port, load) in [(index, inner)].into_iter().chain(of_outer) {
+                let Some(PortLoad { wrench, resistance }) = load else { continue };
                 let rows = PORT * port;
-                for (k, force) in bearing.on_shaft(&load).into_iter().enumerate() {
+                for (k, force) in wrench.into_iter().enumerate() {
                     change[rows + k] = force - new.ports[rows + k];
                 }
-                let stiffness = bearing.mounted.along_shaft(&resistance.stiffness);
-                let damping = bearing.mounted.along_shaft(&resistance.damping);
+                let Resistance { stiffness, damping, slope } = resistance;
                 add_product(matrix, rows, &stiffness, &formulas.places);
                 add_product(matrix, rows, &damping, &formulas.velocities);
+                if let Some(slope) = slope {
+                    add_product(matrix, rows, &slope, &formulas.accelerations);
+                }
             }
         }
         solve(matrix, change);
@@ -329,11 +359,10 @@ impl<'m> MachineStepper<'m> {
         propagator.add(place, velocity, forces);
 
         new.add_up(dynamics);
-        self.acceleration.copy_from_slice(&new.sum);
-        for (k, acceleration) in self.acceleration.iter_mut().enumerate() {
-            *acceleration -= frame.damping[k] * velocity[k] + frame.squares[k] * place[k];
+        accelerations(frame, &new.sum, place, velocity, &mut self.acceleration);
+        for (index, stepper) in self.bearings.iter_mut().enumerate() {
+            stepper.finish(|| dynamics.rings(index, place, velocity));
         }
-        self.bearings.iter_mut().for_each(RingStepper::finish);
         self.time = end;
         self.evaluations += 1;
         if self.known < NODES {
@@ -350,7 +379,7 @@ impl<'m> MachineStepper<'m> {
         self.evaluations
     }
 
-    pub(crate) fn bearings(&self) -> &[RingStepper<'m>] {
+    pub(crate) fn bearings(&self) -> &[BearingStepper<'m>] {
         &self.bearings
     }
 
@@ -396,6 +425,15 @@ impl Forces {
     fn add_up(&mut self, dynamics: &MachineDynamics) {
         self.sum.clone_from(&self.rest);
         add_port_forces(dynamics, &self.ports, &mut self.sum);
+    }
+}
+
+/// Writes the accelerations of the coordinates under forces.
+#[inline(always)]
+fn accelerations(frame: &Frame, forces: &[f64], place: &[f64], velocity: &[f64], accelerations: &mut [f64]) {
+    accelerations.copy_from_slice(forces);
+    for (k, acceleration) in accelerations.iter_mut().enumerate() {
+        *acceleration -= frame.damping[k] * velocity[k] + frame.squares[k] * place[k];
     }
 }
 

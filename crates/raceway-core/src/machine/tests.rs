@@ -42,6 +42,7 @@ use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::model::{Mechanism, Model};
 
 mod housing;
+mod levels;
 mod loads;
 mod mode_precision;
 mod power;

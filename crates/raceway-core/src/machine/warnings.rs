@@ -13,7 +13,7 @@ use crate::simulation::solve::startup::SETTLED_EFOLDS;
 /// Largest change of a velocity in a step by the velocities of other coordinates, which are taken explicitly, over these velocities [-].
 const MOST_COUPLING: f64 = 0.2;
 /// Largest eigenvalue of K H [-] up to which the correction of the ports' forces is stable.
-const MOST_STIFFNESS: f64 = 0.1;
+pub(super) const MOST_STIFFNESS: f64 = 0.1;
 
 /// What limits steps of a length [s] most; `None` where nothing does.
 pub(super) fn limit_of_step(dynamics: &MachineDynamics, step: f64) -> Option<StepLimit> {
@@ -35,6 +35,7 @@ pub(super) fn warnings(
     (allowed_db, last): (f64, LastStep),
 ) -> Vec<MachineWarning> {
     let of_steps = uncertain(result, allowed_db, last).into_iter().chain(partly_verified(machine, result));
+    let of_steps = of_steps.chain(result.beyond(allowed_db).map(MachineWarning::ModelNotConfirmed));
     let start = start_transient(machine, result);
     let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
     let bearings = result.bearings.iter().enumerate();

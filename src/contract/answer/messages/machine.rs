@@ -1,6 +1,8 @@
 //! Messages of a machine.
 
-use raceway_core::machine::codes::{LastStep, LaterChange, MachineWarning, RejectedStep, StepCause, StepLimit};
+use raceway_core::machine::codes::{
+    LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause, StepLimit,
+};
 use raceway_core::machine::input::Machine;
 use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use raceway_core::simulation::error::codes::Warning;
@@ -102,12 +104,58 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             (MessageCode::Overloaded, text, values)
         }
         MachineWarning::Surface { bearing, warning } => return of_surface(&machine.bearings[*bearing].name, warning),
+        MachineWarning::ModelNotConfirmed(deviation) => {
+            let allowed_db = significant(deviation.allowed_db, 6);
+            let text = format!(
+                "The selected model level radially_condensed is not confirmed within {allowed_db} dB: {}. Leave out solver.rung.",
+                of_deviation(machine, deviation)
+            );
+            (MessageCode::ModelNotConfirmed, text, level_values(machine, deviation))
+        }
+        MachineWarning::LevelRejected(deviation) => {
+            severity = Severity::Info;
+            let text = format!(
+                "Rejected: radially_condensed. {}, more than {} dB.",
+                capital(&of_deviation(machine, deviation)),
+                significant(deviation.allowed_db, 6)
+            );
+            (MessageCode::CandidateRejected, text, level_values(machine, deviation))
+        }
+        MachineWarning::LevelNotEligible(reason) => {
+            severity = Severity::Info;
+            let text = format!("Model level radially_condensed gave no result: {reason}.");
+            (MessageCode::ModelNotEligible, text, vec![("rungs", json!(["radially_condensed"]))])
+        }
         MachineWarning::StepRejected(rejected) => {
             severity = Severity::Info;
             of_rejected_step(machine, rejected)
         }
     };
     message(code, severity, text, values)
+}
+
+fn of_deviation(machine: &Machine, LevelDeviation { channel, error_db, window, .. }: &LevelDeviation) -> String {
+    let channel = channel.named(machine).to_string();
+    format!(
+        "over {} the level of {channel} deviates by {} dB from that on full",
+        time(*window),
+        significant(*error_db, 2)
+    )
+}
+
+fn level_values(machine: &Machine, deviation: &LevelDeviation) -> Vec<(&'static str, Value)> {
+    vec![
+        ("rung", json!("radially_condensed")),
+        ("channel", json!(deviation.channel.named(machine).to_string())),
+        ("level_error_db", json!(significant(deviation.error_db, 3))),
+        ("allowed_db", json!(significant(deviation.allowed_db, 6))),
+    ]
+}
+
+/// The sentence with a capital.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// The message of a surface with the name of its bearing.

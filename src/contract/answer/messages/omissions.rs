@@ -40,6 +40,7 @@ fn condensed(condensation: Condensation) -> &'static str {
     match condensation {
         Condensation::RadialEquilibrium => "balls are in radial equilibrium between their raceways",
         Condensation::StaysInPlane => "no ball or cage leaves the plane",
+        Condensation::LinearMoments => "moments of the balls are linear in the tilt of their ring, which moves no ball",
         Condensation::EqualSpacing => "balls orbit at equal spacing, at the speed of ideal rolling",
         Condensation::IdealRolling => "balls roll ideally",
     }

@@ -51,6 +51,8 @@ pub enum Condensation {
     RadialEquilibrium,
     /// No ball or cage leaves the plane.
     StaysInPlane,
+    /// Moments of the balls are linear in the tilt of the ring, which moves no ball.
+    LinearMoments,
     /// Balls orbit at equal spacing, at the speed of ideal rolling.
     EqualSpacing,
     /// Balls roll ideally.

@@ -97,7 +97,7 @@ pub fn active_terms(
 }
 
 /// Terms that a reduced model leaves out; the bound of all together is the error that its verification shows.
-fn omissions(level: ModelLevel, may_tilt: bool) -> Vec<LeftOut> {
+pub(crate) fn omissions(level: ModelLevel, may_tilt: bool) -> Vec<LeftOut> {
     let one = |term: Term, condensation| LeftOut {
         term: term.name(),
         reason: OmissionReason::Condensed(level, condensation),

@@ -92,10 +92,10 @@ impl Rings {
 }
 
 /// Balls and cage in fixed steps, driven by whoever moves the rings.
-pub(crate) struct RingStepper<'m>(SemiImplicit<'m, false>);
-
-/// Balls and cage at one time.
-pub(crate) struct RingNode(Box<Node>);
+pub(crate) struct RingStepper<'m> {
+    method: SemiImplicit<'m, false>,
+    kept: Vec<Node>,
+}
 
 impl<'m> RingStepper<'m> {
     /// Balls and cage at a state, which `y` holds alone.
@@ -104,50 +104,50 @@ impl<'m> RingStepper<'m> {
         let mut state = y.to_vec();
         state.resize(layout.dimension(), 0.0);
         layout.set_spindle(&mut state, &ring);
-        Self(SemiImplicit::new(dynamics, time, &state, 0.0))
+        Self { method: SemiImplicit::new(dynamics, time, &state, 0.0), kept: Vec::new() }
     }
 
     /// Starts again at the newest state, at a low order.
     pub(crate) fn begin(&mut self) {
-        self.0.begin();
+        self.method.begin();
     }
 
-    /// The newest state.
-    pub(crate) fn node(&self) -> RingNode {
-        RingNode(self.0.newest())
+    /// Keeps the newest state for `recall`.
+    pub(crate) fn keep(&mut self) {
+        self.kept.push(self.method.newest());
     }
 
-    /// Replaces all states but the newest by these, newest first.
-    pub(crate) fn set_past(&mut self, past: Vec<RingNode>) {
-        self.0.set_past(past.into_iter().map(|node| node.0));
+    /// Replaces all states but the newest by the kept ones.
+    pub(crate) fn recall(&mut self) {
+        self.method.set_past(self.kept.drain(..).rev());
     }
 
     /// Advances balls and cage by a step to a time at which the rings are predicted to move like this. Returns their load on the inner and on the
     /// outer ring after their corrections, each with their resistance to its further motion.
     pub(crate) fn advance(&mut self, end: f64, step: f64, rings: Rings) -> [(RingLoad, RingResistance); 2] {
-        self.0.aim(end, step, rings);
-        let instructions = self.0.dynamics().instructions();
-        instructions.run(Advance { stepper: &mut self.0, rings })
+        self.method.aim(end, step, rings);
+        let instructions = self.method.dynamics().instructions();
+        instructions.run(Advance { stepper: &mut self.method, rings })
     }
 
     /// Ends the step.
     pub(crate) fn finish(&mut self) {
-        self.0.end_step();
+        self.method.end_step();
     }
 
     /// Loads of the balls at the newest state, packed.
     pub(crate) fn step_loads(&self) -> &[f64] {
-        self.0.loads()
+        self.method.loads()
     }
 
     /// The newest state of balls and cage.
     pub(crate) fn state(&self) -> &[f64] {
-        self.0.newest_state()
+        self.method.newest_state()
     }
 
     /// A ball that touches its neighbour, where there is no cage.
     pub(crate) fn touching(&self) -> Option<usize> {
-        self.0.touching()
+        self.method.touching()
     }
 }
 

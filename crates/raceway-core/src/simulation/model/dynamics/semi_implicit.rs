@@ -209,14 +209,14 @@ impl<'m, const PLANAR: bool> SemiImplicit<'m, PLANAR> {
         (self.known, self.formulas) = (1, Formulas::new(1));
     }
 
-    pub(super) fn newest(&self) -> Box<Node> {
-        self.nodes[0].clone()
+    pub(super) fn newest(&self) -> Node {
+        Node::clone(&self.nodes[0])
     }
 
     /// Replaces the nodes before the newest.
-    pub(super) fn set_past(&mut self, past: impl Iterator<Item = Box<Node>>) {
+    pub(super) fn set_past(&mut self, past: impl Iterator<Item = Node>) {
         for (node, old) in self.nodes[1..].iter_mut().zip(past) {
-            *node = old;
+            **node = old;
         }
     }
 

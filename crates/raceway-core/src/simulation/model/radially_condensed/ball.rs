@@ -81,10 +81,11 @@ pub(super) struct Drive {
     pub unloaded_root: f32,
     /// Predicted acceleration of the spindle [m/s²].
     pub spindle_acceleration: [f32; 2],
-    /// Shares of that acceleration in place and velocity of the spindle [s², s]. The latter is also the share of velocities in the places
-    /// of balls and cage.
+    /// Shares of that acceleration in place and velocity of the spindle [s², s].
     pub place_share: f32,
     pub velocity_share: f32,
+    /// Share of velocities in the places of balls and cage [s].
+    pub cage_share: f32,
 }
 
 /// Drag [N] and churning [N m] = value + slope · deviation from the ideal orbit velocity and spin.

@@ -21,7 +21,7 @@ use crate::simulation::model::condensed_contact::CondensedContact;
 use crate::simulation::model::equilibrium::{Equilibrium, equilibrium};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::heights::Waves;
-use crate::simulation::model::mechanism::Mechanism;
+use crate::simulation::model::mechanism::{Mechanism, StartAzimuths};
 use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
 
@@ -112,6 +112,14 @@ fn traction(scene: &Scene, needs: &ActiveTerms, contact: &RacewayContact, load: 
     }
 }
 
+fn side_by_side_azimuths(start: &StartAzimuths) -> Vec<Azimuth<Singles>> {
+    let group = |first: usize| Azimuth {
+        cosine: Lanes::of(&start.cosine, first).single(),
+        sine: Lanes::of(&start.sine, first).single(),
+    };
+    (0..start.angle.len()).step_by(LANES).map(group).collect()
+}
+
 impl RadiallyCondensed {
     /// The model of a scene, or the reason why it is not applicable.
     pub fn new(scene: &Scene, outputs: &Outputs) -> Result<Self, SimulationError> {
@@ -190,13 +198,7 @@ impl RadiallyCondensed {
         let (one, film) = (of_body(&nominal), in_pocket(&nominal));
         let waves = Waves::of(&surfaced);
         let mut model = Self {
-            start: (0..balls)
-                .step_by(LANES)
-                .map(|first| Azimuth {
-                    cosine: Lanes::of(&m.start.cosine, first).single(),
-                    sine: Lanes::of(&m.start.sine, first).single(),
-                })
-                .collect(),
+            start: side_by_side_azimuths(&m.start),
             present: (0..balls)
                 .step_by(LANES)
                 .map(|first| Lanes(std::array::from_fn(|lane| if first + lane < balls { 1.0 } else { 0.0 })))
@@ -311,7 +313,19 @@ impl RadiallyCondensed {
 
     /// Number of first-order states.
     pub fn states(&self) -> usize {
-        3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 } + 4
+        self.states_on_ring() + 4
+    }
+
+    /// That number without the spindle.
+    pub(crate) fn states_on_ring(&self) -> usize {
+        3 * self.mechanism.layout.balls + if self.mechanism.layout.cage { 6 } else { 0 }
+    }
+
+    /// The model with all balls starting farther by an angle [rad].
+    pub(crate) fn turned(mut self, by: f64) -> Self {
+        self.mechanism.start = self.mechanism.start.turned(by);
+        self.start = side_by_side_azimuths(&self.mechanism.start);
+        self
     }
 
     /// The model with the spindle's start displaced by (y, z) [m].

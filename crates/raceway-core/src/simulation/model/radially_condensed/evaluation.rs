@@ -30,6 +30,15 @@ pub(crate) struct Rates {
     pub cage_damping: [f64; 3],
 }
 
+/// Shares of rates at the end of a step in the motion there.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct StepShares {
+    /// Of the spindle's acceleration.
+    pub spindle: Shares,
+    /// Of the velocities of balls and cage in their places [s].
+    pub cage: f64,
+}
+
 /// Loads and slip of eight balls in an evaluation.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct BallLoads {
@@ -77,7 +86,7 @@ struct AllBalls {
 }
 
 impl RadiallyCondensed {
-    /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration, with its `shares` in place and velocity; `turned`: ∫ spin dt of the
+    /// Rates at a time [s]; `spindle_acceleration`: predicted acceleration; `turned`: ∫ spin dt of the
     /// balls less that of ideal rolling [rad], where they have waves.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
@@ -88,7 +97,7 @@ impl RadiallyCondensed {
         turned: &[Lanes],
         border: &Border,
         spindle_acceleration: [f64; 2],
-        shares: Shares,
+        shares: StepShares,
         rates: &mut Rates,
         scratch: &mut Scratch,
     ) -> (f64, f64, f64) {
@@ -109,7 +118,7 @@ impl RadiallyCondensed {
         turned: &[Lanes],
         border: &Border,
         spindle_acceleration: [f64; 2],
-        shares: Shares,
+        shares: StepShares,
         rates: &mut Rates,
         scratch: &mut Scratch,
     ) -> (f64, f64, f64) {
@@ -129,8 +138,9 @@ impl RadiallyCondensed {
             mixture,
             unloaded_root,
             spindle_acceleration: spindle_acceleration.map(|a| a as f32),
-            place_share: shares.place as f32,
-            velocity_share: shares.velocity as f32,
+            place_share: shares.spindle.place as f32,
+            velocity_share: shares.spindle.velocity as f32,
+            cage_share: shares.cage as f32,
         };
         let mut sums = AllBalls::default();
         for (group, (balls, rates)) in balls.iter().zip(&mut rates.balls).enumerate() {
@@ -227,14 +237,14 @@ impl RadiallyCondensed {
             let cage_spin = one.orbit_ratio * drive.speed + border.cage_velocity[2] * one.per_pitch_radius;
             let displaced = self.film.displaced(&border, cage_spin, &held);
             if self.plain_pocket && all.film.reaches(&displaced) {
-                pushed = self.film.film_reaction(&held, &displaced, &present, drive.velocity_share);
+                pushed = self.film.film_reaction(&held, &displaced, &present, drive.cage_share);
             } else {
                 let spins = Lanes(balls.spin.0.map(|spin| one.spin_ratio * drive.speed + spin - cage_spin));
                 let pocket = &self.mechanism.pocket;
                 let oversize = &all.ball.oversize;
                 let instructions = self.instructions;
                 let loads = ByWall { pocket, spins: &spins, displaced: &displaced, oversize, instructions };
-                pushed = self.film.wall_reaction(&loads, &held, &present, drive.velocity_share);
+                pushed = self.film.wall_reaction(&loads, &held, &present, drive.cage_share);
             }
         }
         let mut loaded = RacewayLoads::<Singles>::default();
@@ -304,7 +314,7 @@ impl RadiallyCondensed {
             let height = if WAVY { heights.at(lane) } else { Heights::default() };
             let held = one.in_raceways::<WAVY>(&drive, start.at(lane), one.ahead(past[lane]), &border, &ball, &height);
             let displaced = film.displacement_of_one(&border, cage_spin, &held);
-            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.velocity_share);
+            let pushed = film.turned(&held, &displaced, &film.push(&displaced), present[lane], drive.cage_share);
             let loaded = one.raceway_loads::<WAVY>(&drive, &ball, &held, pushed.radial);
             let (inner, slips) = laws.inner.all.at(lane).fitted(&loaded.inner);
             let (outer, skids) = laws.outer.all.at(lane).fitted(&loaded.outer);
@@ -406,7 +416,7 @@ fn on_waves(
     turned: &[Lanes],
     border: &Border,
     spindle_acceleration: [f64; 2],
-    shares: Shares,
+    shares: StepShares,
     rates: &mut Rates,
     scratch: &mut Scratch,
 ) -> (f64, f64, f64) {
@@ -421,7 +431,7 @@ struct OnWaves<'a> {
     turned: &'a [Lanes],
     border: &'a Border,
     spindle_acceleration: [f64; 2],
-    shares: Shares,
+    shares: StepShares,
     rates: &'a mut Rates,
     scratch: &'a mut Scratch,
 }
@@ -544,16 +554,7 @@ mod tests {
         let [y, z] = border.spindle;
         let mut rates = Rates { balls: vec![BallRates::default(); model.groups()], ..Rates::default() };
         let mut scratch = Scratch::new(model.groups());
-        let turning = model.rates(
-            0.0,
-            &balls,
-            &[],
-            &border,
-            [0.0; 2],
-            Shares { place: 0.0, velocity: 0.0 },
-            &mut rates,
-            &mut scratch,
-        );
+        let turning = model.rates(0.0, &balls, &[], &border, [0.0; 2], StepShares::default(), &mut rates, &mut scratch);
         let by = 1e-9;
         let mut on_spindle = [m.load[1], m.load[2]];
         let (mut most, mut worst) = (0.0_f64, 0.0_f64);

@@ -33,6 +33,8 @@ mod loaded_lift;
 
 mod observer;
 
+pub(crate) mod on_ring;
+
 mod run;
 
 pub use crate::simulation::model::step_ratio::StepRatio;

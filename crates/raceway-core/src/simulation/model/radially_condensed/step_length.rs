@@ -20,6 +20,9 @@ const MAX_FILM_PHASE_VERIFIED: f64 = 1.0;
 /// The longest step to verify [s]: 19.5 µs. Longer steps are stable, too, but gain little next to a verification that takes ten times as
 /// long.
 const MAX_STEP: f64 = 20e-6;
+/// Longest step at the motion of a ring [s]: twice that of the full dynamics. Half steps verify it.
+const LONGEST_ON_RING: f64 = 11e-6;
+
 impl RadiallyCondensed {
     /// Longest steps that are stable and accurate. The spindle on its loaded contacts, the cage on a stiff film, steep traction and waves of
     /// the raceways bound them. Pocket walls need shorter steps than films.
@@ -57,12 +60,20 @@ impl RadiallyCondensed {
     /// Reciprocal of the longest step that damping, traction, waves and loads allow [1/s], with given largest phases of the spindle on its contacts and of
     /// the cage on its film [rad].
     fn fastest(&self, turn: f64, film_turn: f64) -> f64 {
+        (self.spindle_rates[0] / MAX_DECAY).max(self.spindle_rates[1] / turn).max(self.fastest_of_balls(film_turn))
+    }
+
+    fn fastest_of_balls(&self, film_turn: f64) -> f64 {
         let on_film = if self.mechanism().layout.cage { self.film_frequency() } else { 0.0 };
-        (self.spindle_rates[0] / MAX_DECAY)
-            .max(self.spindle_rates[1] / turn)
-            .max(on_film / film_turn)
+        (on_film / film_turn)
             .max(self.traction_rate / MAX_TRACTION_DECAY)
             .max(1.0 / self.mechanism().longest_excited_step())
             .max(1.0 / self.mechanism().defect_step)
+    }
+
+    /// Longest step of balls and cage where others move the ring [s].
+    pub(crate) fn longest_step_on_ring(&self) -> f64 {
+        let longest = if self.is_gentle() { LONGEST_ON_RING } else { StepRatio::of_steps(4).step() };
+        longest.min(1.0 / self.fastest_of_balls(MAX_FILM_PHASE))
     }
 }

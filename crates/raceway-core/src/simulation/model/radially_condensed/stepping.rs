@@ -20,7 +20,7 @@
 use super::ball::{BallRates, Balls, OneBall, SpindleReaction};
 use super::border::Border;
 use super::equations::RadiallyCondensed;
-use super::evaluation::{BallLoads, Rates, Scratch};
+use super::evaluation::{BallLoads, Rates, Scratch, StepShares};
 use crate::numerics::lanes::{LANES, Lanes, Real, SideBySide, Singles, Task, side_by_side};
 use crate::numerics::ode::adams::{Weights, ahead, weights};
 use crate::numerics::ode::adams_moulton::{Shares, solve};
@@ -36,8 +36,8 @@ const PLACE_NODES: usize = 3;
 
 /// Backward differentiation of order k: `leading` (y_{n+1} − y_n) = Σ past_i Δ_i + h f, and its extrapolation Σ ahead_i Δ_i.
 #[derive(Debug, Clone, Copy)]
-struct Implicit<T = f64> {
-    leading: T,
+pub(super) struct Implicit<T = f64> {
+    pub(super) leading: T,
     past: [T; 2],
     ahead: [T; 2],
 }
@@ -50,9 +50,9 @@ const IMPLICIT: [Implicit; 3] = [
 
 /// Formulas for a number of known nodes.
 #[derive(Debug, Clone, Copy)]
-struct Formulas {
+pub(super) struct Formulas {
     /// Backward differentiation of the balls.
-    balls: Implicit<f32>,
+    pub(super) balls: Implicit<f32>,
     /// Backward differentiation of the cage.
     cage: Implicit,
     /// Prediction of the spindle through the known nodes.
@@ -60,13 +60,13 @@ struct Formulas {
     /// Correction of the spindle through the new node and all others but the oldest.
     correct: Weights<NODES>,
     /// Weights of the velocities of balls and cage in their places, the new one first.
-    moulton: [f64; PLACE_NODES],
+    pub(super) moulton: [f64; PLACE_NODES],
     /// Acceleration for which prediction and correction of the spindle agree.
     ahead: [f64; NODES],
 }
 
 impl Formulas {
-    fn new(known: usize) -> Self {
+    pub(super) fn new(known: usize) -> Self {
         Self {
             balls: IMPLICIT[known.min(3) - 1].single(),
             cage: IMPLICIT[known.min(2) - 1],
@@ -80,16 +80,56 @@ impl Formulas {
 
 /// The motion at one time.
 #[derive(Debug, Clone, Default)]
-struct Node {
-    balls: Vec<Balls>,
+pub(super) struct Node {
+    pub(super) balls: Vec<Balls>,
     /// ∫ spin dt of the balls less that of ideal rolling [rad]; empty where all balls are spheres.
-    turned: Vec<Lanes>,
-    border: Border,
+    pub(super) turned: Vec<Lanes>,
+    pub(super) border: Border,
     /// Acceleration of the spindle [m/s²].
     acceleration: [f64; 2],
 }
 
 impl Node {
+    pub(super) fn at(model: &RadiallyCondensed, balls: Vec<Balls>, border: Border) -> Self {
+        let with_waves = model.waves.as_ref().is_some_and(Waves::are_of_balls);
+        let turned = if with_waves { vec![Lanes::default(); model.groups()] } else { Vec::new() };
+        Self { balls, turned, border, acceleration: [0.0; 2] }
+    }
+
+    /// Predicts the balls from their past, newest first. `missing`: residuals of their implicit formulas.
+    #[inline(always)]
+    pub(super) fn predict_balls(
+        &mut self,
+        past: [&Self; 3],
+        missing: &mut [[Singles; 2]],
+        formulas: &Formulas,
+        h: f64,
+    ) {
+        for (group, balls) in self.balls.iter_mut().enumerate() {
+            (*balls, missing[group]) = ahead_of(past.map(|node| &node.balls[group]), formulas, h);
+        }
+        self.turn_on(past[0], h);
+    }
+
+    /// Corrects balls and cage after a change of the spindle's velocity (y, z) [m/s].
+    #[inline(always)]
+    pub(super) fn correct(
+        &mut self,
+        past: [&Self; 3],
+        rates: &Rates,
+        changes: &[Change<Singles>],
+        gained: [f64; 2],
+        (formulas, h): (&Formulas, f64),
+    ) {
+        let place = h * formulas.moulton[0];
+        let gained = gained.map(|gained| gained as f32);
+        for (group, balls) in self.balls.iter_mut().enumerate() {
+            changes[group].correct(balls, &rates.balls[group].azimuth, gained, place as f32);
+        }
+        self.turn_on(past[0], h);
+        self.border.correct_cage(past.map(|node| &node.border), rates, &formulas.cage, h, place);
+    }
+
     /// Turns the balls on from an earlier node by the mean of their spins over a time step.
     #[inline(always)]
     fn turn_on(&mut self, from: &Self, step: f64) {
@@ -138,9 +178,7 @@ pub struct Stepper<'m> {
 impl<'m> Stepper<'m> {
     /// Integrator from a state at a time [s], in steps of a length [s].
     pub fn new(model: &'m RadiallyCondensed, time: f64, balls: Vec<Balls>, border: Border, step: f64) -> Self {
-        let with_waves = model.waves.as_ref().is_some_and(Waves::are_of_balls);
-        let turned = if with_waves { vec![Lanes::default(); model.groups()] } else { Vec::new() };
-        let node = Node { balls, turned, border, acceleration: [0.0; 2] };
+        let node = Node::at(model, balls, border);
         let mut stepper = Self {
             model,
             begin: time,
@@ -212,6 +250,7 @@ impl<'m> Stepper<'m> {
         // Without a prediction, place and velocity are the initial ones.
         let share = if self.is_predicted { h } else { 0.0 };
         let shares = Shares { place: h * share * place[0], velocity: share * velocity[0] };
+        let step = StepShares { spindle: shares, cage: shares.velocity };
         let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
         let predicted = new.acceleration;
         let turning = self.model.rates(
@@ -220,23 +259,15 @@ impl<'m> Stepper<'m> {
             &new.turned,
             &new.border,
             predicted,
-            shares,
+            step,
             &mut self.rates,
             &mut self.scratch,
         );
         self.evaluations += 1;
-        let (formulas, one) = (&self.formulas, &self.model.one);
+        let formulas = &self.formulas;
         if self.is_predicted {
-            for group in 0..new.balls.len() {
-                self.changes[group] = eliminated(
-                    &self.missing[group],
-                    &self.rates.balls[group],
-                    (formulas.balls.leading, h, shares.velocity),
-                    one,
-                    &self.model.present[group],
-                    &mut self.rates.passed,
-                );
-            }
+            let step = (formulas.balls.leading, h, shares.velocity);
+            eliminate(self.model, step, &self.missing, &mut self.rates, &mut self.changes);
         }
         let change = solve(&self.model.defect(time, turning, predicted, &self.rates.passed));
         let Border { spindle, spindle_velocity, .. } = new.border;
@@ -244,14 +275,8 @@ impl<'m> Stepper<'m> {
         new.border.spindle = std::array::from_fn(|i| spindle[i] + shares.place * change[i]);
         new.border.spindle_velocity = std::array::from_fn(|i| spindle_velocity[i] + shares.velocity * change[i]);
         if self.is_predicted {
-            let place = h * formulas.moulton[0];
-            let gained = change.map(|change| (shares.velocity * change) as f32);
-            for (group, balls) in new.balls.iter_mut().enumerate() {
-                self.changes[group].correct(balls, &self.rates.balls[group].azimuth, gained, place as f32);
-            }
-            new.turn_on(now, h);
-            let past = [&now.border, &before.border, &earlier.border];
-            new.border.correct_cage(past, &self.rates, &formulas.cage, h, place);
+            let gained = change.map(|change| shares.velocity * change);
+            new.correct([now, before, earlier], &self.rates, &self.changes, gained, (formulas, h));
         }
     }
 
@@ -259,38 +284,48 @@ impl<'m> Stepper<'m> {
     #[inline(always)]
     fn step(&mut self) {
         let (h, formulas) = (self.step, &self.formulas);
-        let moulton = &formulas.moulton;
         // The oldest node is overwritten by the newest.
         self.nodes.rotate_right(1);
         // Newest first; the first place still holds the oldest node.
         let accelerations = std::array::from_fn(|i| self.nodes[(i + 1) % NODES].acceleration);
         let [new, now, before, earlier, ..] = self.nodes.each_mut().map(|node| &mut **node);
-        for (group, balls) in new.balls.iter_mut().enumerate() {
-            let past = [&now.balls[group], &before.balls[group], &earlier.balls[group]];
-            (*balls, self.missing[group]) = ahead_of(past, formulas, h);
-        }
-        new.turn_on(now, h);
+        new.predict_balls([now, before, earlier], &mut self.missing, formulas, h);
         // Both directions of each quantity together: values stored in pairs can be loaded in pairs.
-        let (a, b, c) = (&now.border, &before.border, &earlier.border);
+        let a = &now.border;
         let rise = weighed(&formulas.predict.velocity, &accelerations);
         let lift = weighed(&formulas.predict.place, &accelerations);
         new.acceleration = weighed(&formulas.ahead, &accelerations);
-        let past = [a.cage_velocity, b.cage_velocity, c.cage_velocity];
-        let cage_velocity: [f64; 3] = std::array::from_fn(|i| formulas.cage.extrapolated(past.map(|v| v[i])));
-        let moved = weighed(moulton, &[cage_velocity, a.cage_velocity, b.cage_velocity]);
-        new.border = Border {
-            spindle: std::array::from_fn(|i| a.spindle[i] + h * (a.spindle_velocity[i] + h * lift[i])),
-            spindle_velocity: std::array::from_fn(|i| a.spindle_velocity[i] + h * rise[i]),
-            cage: std::array::from_fn(|i| a.cage[i] + h * moved[i]),
-            cage_arc: a.cage_arc + h * moved[2],
-            cage_velocity,
-        };
+        let spindle = std::array::from_fn(|i| a.spindle[i] + h * (a.spindle_velocity[i] + h * lift[i]));
+        let spindle_velocity = std::array::from_fn(|i| a.spindle_velocity[i] + h * rise[i]);
+        let past = [a, &before.border, &earlier.border];
+        new.border = Border::predicted(past, (spindle, spindle_velocity), formulas, h);
         self.count += 1;
         self.is_predicted = true;
     }
 }
 
 impl Border {
+    /// Prediction of the cage from its past, newest first, at a place and a velocity of the spindle.
+    #[inline(always)]
+    pub(super) fn predicted(
+        past: [&Self; 3],
+        (spindle, spindle_velocity): ([f64; 2], [f64; 2]),
+        formulas: &Formulas,
+        h: f64,
+    ) -> Self {
+        let [now, before, _] = past;
+        let velocities = past.map(|border| border.cage_velocity);
+        let cage_velocity: [f64; 3] = std::array::from_fn(|i| formulas.cage.extrapolated(velocities.map(|v| v[i])));
+        let moved = weighed(&formulas.moulton, &[cage_velocity, now.cage_velocity, before.cage_velocity]);
+        Self {
+            spindle,
+            spindle_velocity,
+            cage: std::array::from_fn(|i| now.cage[i] + h * moved[i]),
+            cage_arc: now.cage_arc + h * moved[2],
+            cage_velocity,
+        }
+    }
+
     /// One step of Newton's method from the predicted velocities of the cage to those of the formula. Pockets damp each direction
     /// independently. `past`: newest first; `place`: share of velocities in places [s].
     #[inline(always)]
@@ -416,13 +451,29 @@ fn ahead_of([now, before, earlier]: [&Balls; 3], formulas: &Formulas, h: f64) ->
 /// Change of eight balls by one step of Newton's method at the predicted spindle, and its slope over the spindle's velocity across the
 /// balls.
 #[derive(Debug, Clone, Copy, Default)]
-struct Change<T = f32> {
+pub(super) struct Change<T = f32> {
     arc_velocity: T,
     spin: T,
     arc_by_spindle: T,
     spin_by_spindle: T,
 }
 side_by_side!(Change { arc_velocity, spin, arc_by_spindle, spin_by_spindle });
+
+/// Elimination of all balls from the spindle's equations. `step`: factor of the new value in the formula of the balls, time step [s], and share
+/// of the spindle's acceleration in its velocity [s].
+#[inline(always)]
+pub(super) fn eliminate(
+    model: &RadiallyCondensed,
+    step: (f32, f64, f64),
+    missing: &[[Singles; 2]],
+    rates: &mut Rates,
+    changes: &mut [Change<Singles>],
+) {
+    for (group, change) in changes.iter_mut().enumerate() {
+        let present = &model.present[group];
+        *change = eliminated(&missing[group], &rates.balls[group], step, &model.one, present, &mut rates.passed);
+    }
+}
 
 /// Elimination of eight balls from the spindle's equations, whose traction is then that of balls that follow the spindle.
 #[inline(always)]

@@ -1,0 +1,22 @@
+//! Reasons why a reduced model does not apply to a machine.
+
+use crate::simulation::model::inapplicable::Inapplicable;
+
+/// Reason why a reduced model cannot represent a machine. Bearings have their names.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MachineInapplicable {
+    #[error("bearings of this model carry no force along X, and the shaft moves along X (`axial` is free)")]
+    AxiallyFree,
+    #[error("the speed changes")]
+    SpeedChanges,
+    #[error("there is no ball bearing")]
+    NoBearing,
+    #[error(
+        "the outer ring of bearing {bearing} moves (`on`, `seat`), and this model has equations for one that is held"
+    )]
+    OuterRingMoves { bearing: String },
+    #[error("the outer ring of bearing {bearing} is set off along X or tilted (`preloads`, `outer_ring`)")]
+    OuterRingOff { bearing: String },
+    #[error("bearing {bearing}: {reason}")]
+    Bearing { bearing: String, reason: Inapplicable },
+}

@@ -1,0 +1,153 @@
+//! Bearings on the level `radially_condensed`.
+
+use super::*;
+use crate::machine::codes::MachineWarning;
+use crate::machine::inapplicable::MachineInapplicable;
+use crate::machine::level::{LevelChoice, inapplicability};
+use crate::machine::recording::MachineRecording;
+use crate::machine::run::{Run, Work, simulate_on};
+use crate::simulation::input::channel::Channel;
+use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::inapplicable::Inapplicable;
+use crate::simulation::model::radially_condensed;
+use crate::simulation::recording::windows::InBand;
+
+/// One bearing at the mass centre of the bar, without its disc and axially held.
+fn on_one_bearing() -> Machine {
+    let mut machine = motor_spindle();
+    machine.rotor.shaft.discs.clear();
+    machine.rotor.shaft.is_axially_free = false;
+    machine.bearings.truncate(1);
+    machine.rotor.bearings.truncate(1);
+    machine.rotor.bearings[0].at = 0.15;
+    machine.rotor.bearings[0].mounted.outer = [0.0; 5];
+    machine.rotor.unbalances[0] = UnbalancePlane { at: 0.15, product: 5e-6, phase: 0.0 };
+    machine
+}
+
+/// Two bearings without preload under a radial load, axially held.
+fn on_two_bearings() -> Machine {
+    let mut machine = motor_spindle();
+    machine.rotor.shaft.is_axially_free = false;
+    machine.rotor.load = [0.0, 500.0, 0.0];
+    for bearing in &mut machine.rotor.bearings {
+        bearing.mounted.outer = [0.0; 5];
+    }
+    machine
+}
+
+fn recorded(
+    machine: &Machine,
+    dynamics: &MachineDynamics,
+    [settle, duration]: [f64; 2],
+    step: f64,
+) -> MachineRecording {
+    let start = start_state(machine, dynamics).unwrap();
+    let run = Run { machine, dynamics, start: &start, settle };
+    let step = StepLength { longest: step, share: 1.0 };
+    run.record(duration, step, &Control::until(&|| false), &mut Work::default()).ok().unwrap()
+}
+
+fn level(values: &[f64]) -> f64 {
+    20.0 * InBand::of(values, &[]).moments.rms().log10()
+}
+
+/// Levels of the accelerations of a bearing in Y and Z [dB].
+fn levels(recording: &MachineRecording, bearing: usize) -> [f64; 2] {
+    [Axis::Y, Axis::Z].map(|axis| level(recording.of(MachineChannel::Ring(bearing, axis, Motion::Acceleration))))
+}
+
+/// A shaft a million times as stiff on one bearing at its mass centre vibrates as the rigid spindle of a simulation on the same level. Both settle for
+/// 0.9 s: they start differently.
+#[test]
+fn a_very_stiff_shaft_is_the_condensed_spindle() {
+    let mut machine = on_one_bearing();
+    machine.rotor.shaft.material.elastic_modulus *= 1e6;
+    let (times, step) = ([0.9, 0.1], 4.8828125e-6);
+    let mut scene = machine.bearings[0].scene.clone();
+    scene.spindle = Spindle {
+        mass: machine.rotor.shaft.mass(),
+        unbalance: Unbalance::Product(5e-6),
+        axial: AxialHold::Fixed,
+        tilt: SpindleTilt::Held,
+    };
+    scene.operation.load = machine.rotor.load;
+    scene.gravity = machine.rotor.gravity;
+    let settings = RunSettings { fixed_step: Some(step), ..RunSettings::new(times[0], times[1], Outputs::vibration()) };
+    let (rigid, _) = radially_condensed::simulate(&scene, &settings, &Control::until(&|| false)).unwrap();
+    let dynamics = MachineDynamics::new(&machine, RANGE, &|| false).unwrap().radially_condensed(&machine).unwrap();
+    let recording = recorded(&machine, &dynamics, times, step);
+    let found = levels(&recording, 0);
+    for (axis, found) in [Axis::Y, Axis::Z].into_iter().zip(found) {
+        let signal = rigid.of(Channel::Spindle(axis, Motion::Acceleration)).unwrap();
+        let expected = 20.0 * signal.in_band().moments.rms().log10();
+        assert!((found - expected).abs() < 1e-3, "{axis}: {found} dB, rigid {expected} dB");
+    }
+    let cage = recording.bearings[0].cage_speed / rigid.speeds.cage - 1.0;
+    assert!(cage.abs() < 1e-6, "{cage:e}");
+}
+
+/// Largest deviation of a level of a bearing from that on `full` [dB], for a bar of a diameter [m].
+fn deviation_from_full(diameter: f64) -> f64 {
+    let mut machine = on_two_bearings();
+    machine.rotor.shaft.sections[0].tube.outer_diameter = diameter;
+    let full = MachineDynamics::new(&machine, RANGE, &|| false).unwrap();
+    let condensed = full.clone().radially_condensed(&machine).unwrap();
+    let times = [0.3, 0.1];
+    let (reference, found) = (recorded(&machine, &full, times, 5.5e-6), recorded(&machine, &condensed, times, 11e-6));
+    let pairs = (0..2).flat_map(|bearing| levels(&found, bearing).into_iter().zip(levels(&reference, bearing)));
+    let deviation = pairs.map(|(found, reference)| (found - reference).abs()).fold(0.0, f64::max);
+    println!("{} mm: {deviation} dB", 1e3 * diameter);
+    deviation
+}
+
+/// Levels at two bearings of a flexible shaft, beside those on `full`. The bar of 25 mm leans by 0.4 mrad in its bearings, which moves their balls along
+/// the axis; that of 40 mm leans by 0.06 mrad.
+#[test]
+fn a_flexible_shaft_agrees_with_full() {
+    let (slender, stout) = (deviation_from_full(0.025), deviation_from_full(0.04));
+    assert!(slender < 0.7 && stout < 0.7, "{slender} {stout}");
+}
+
+/// A run states its deviation from `full`, and one within a tolerance is on `full` where the deviation is larger.
+#[test]
+fn a_level_is_verified_against_full() {
+    let machine = on_two_bearings();
+    let settings = MachineSettings {
+        settle: Some(0.01),
+        duration: 0.01,
+        step: Some(5.5e-6),
+        range: RANGE,
+        series: Vec::new(),
+        envelope: ENVELOPE,
+        band_edges: Vec::new(),
+    };
+    let on = |level| simulate_on(level, &machine, &settings, &Control::until(&|| false)).unwrap();
+    let condensed = on(LevelChoice::RadiallyCondensed);
+    let deviation = condensed.accuracy.model.as_ref().unwrap().largest().unwrap().1;
+    assert!(condensed.level == ModelLevel::RadiallyCondensed && deviation > 1e-3, "{deviation}");
+    assert!(condensed.left_out.iter().any(|left_out| left_out.term == "tilt"));
+    let within = on(LevelChoice::Within(2.0 * deviation));
+    assert_eq!((within.level, &within.accuracy.model), (condensed.level, &condensed.accuracy.model));
+    let rejected = on(LevelChoice::Within(0.5 * deviation));
+    assert!(rejected.level == ModelLevel::Full && rejected.left_out.is_empty() && rejected.accuracy.model.is_none());
+    let names_it = |warning: &MachineWarning| matches!(warning, MachineWarning::LevelRejected(_));
+    assert!(rejected.warnings.iter().any(names_it), "{:?}", rejected.warnings);
+}
+
+/// Machines that the level cannot represent are named with their cause.
+#[test]
+fn what_the_level_cannot_represent_is_named() {
+    assert_eq!(inapplicability(&on_two_bearings()), None);
+    assert_eq!(inapplicability(&motor_spindle()), Some(MachineInapplicable::AxiallyFree));
+    let mut preloaded = motor_spindle();
+    preloaded.rotor.shaft.is_axially_free = false;
+    assert_eq!(inapplicability(&preloaded), Some(MachineInapplicable::OuterRingOff { bearing: "A".to_owned() }));
+    let mut run_up = on_two_bearings();
+    run_up.speed = SpeedProfile::new(vec![(0.0, 100.0), (1.0, 200.0)]).unwrap();
+    assert_eq!(inapplicability(&run_up), Some(MachineInapplicable::SpeedChanges));
+    let mut without_cage = on_two_bearings();
+    without_cage.bearings[1].scene.terms.set(Term::Cage, TermChoice::Off);
+    let reason = MachineInapplicable::Bearing { bearing: "B".to_owned(), reason: Inapplicable::NoCage };
+    assert_eq!(inapplicability(&without_cage), Some(reason));
+}
