@@ -27,7 +27,7 @@ use super::stored_answer::{CSV, JSON, NPY, SVG};
 use super::submission_headers::{idempotency_key, preferred_wait};
 use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
 use super::{conditional, error_layers, plots, portal, scenes};
-use crate::contract::answer::spectrum_view::SpectrumScaling;
+use crate::contract::answer::signals::SpectrumScaling;
 use crate::contract::{
     SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
     parse_scene_request,

@@ -19,7 +19,8 @@ use super::request::{JobId, NoQuery, Query, header, negotiated};
 use super::series_answer::Part;
 use super::stored_answer::{CSV, JSON, NPY, formatted, json_text, respond, series_of, spectrum_of};
 use crate::contract::answer::csv;
-use crate::contract::answer::spectrum_view::{BandsAnswer, SpectrumQuantity, SpectrumScaling};
+use crate::contract::answer::signals::SpectrumScaling;
+use crate::contract::answer::spectrum_view::{BandsAnswer, SpectrumQuantity};
 use crate::contract::job::outputs::{MAX_BAND_EDGES, MIN_BAND_EDGES};
 use crate::contract::{
     AccuracyJobAnswer, JobKind, MachineAnswer, Metrics, OptimumAnswer, SeriesAnswer, SpectrumAnswer, SpectrumKind,

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::spectrum_view::SpectrumScaling;
 use crate::contract::json::numbers::rounded;
 use raceway_core::numerics::spectrum::{EnvelopeKind, HANN_BANDWIDTH, Spectrum};
 use raceway_core::simulation::input::channel::Channel;
@@ -65,6 +64,17 @@ fn hann_bandwidth() -> f64 {
 pub enum SpectrumKind {
     Amplitude,
     Envelope,
+}
+
+/// What the values of a spectrum are. `amplitude`: of a sine. `rms`: its root mean square. `psd`: power spectral density, amplitude² / (2 · noise
+/// bandwidth · resolution), whose sum times the resolution is the mean square.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SpectrumScaling {
+    #[default]
+    Amplitude,
+    Rms,
+    Psd,
 }
 
 /// Unit of an envelope's spectrum, of a signal in a unit.

@@ -6,22 +6,11 @@ use raceway_core::simulation::recording::bands::LOWEST_BIN;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::signals::{SpectrumAnswer, SpectrumKind};
+use super::signals::{SpectrumAnswer, SpectrumKind, SpectrumScaling};
 use crate::contract::json::numbers::rounded;
 
 /// Lowest frequency of a spectrum that is integrated over time [Hz]: below, drift divided by the frequency hides the vibration.
 const LOWEST_INTEGRATED_HZ: f64 = 10.0;
-
-/// What the values of a spectrum are. `amplitude`: of a sine. `rms`: its root mean square. `psd`: power spectral density, amplitude² / (2 · noise
-/// bandwidth · resolution), whose sum times the resolution is the mean square.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SpectrumScaling {
-    #[default]
-    Amplitude,
-    Rms,
-    Psd,
-}
 
 /// Motion that a spectrum shows. The discriminant counts derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

@@ -64,7 +64,7 @@ mod tests {
     use super::super::compression::compressed;
     use super::*;
     use crate::contract::SpectrumKind;
-    use crate::contract::answer::spectrum_view::SpectrumScaling;
+    use crate::contract::answer::signals::SpectrumScaling;
     use crate::contract::json::numbers::rounded;
 
     fn spectrum(amplitude: Vec<f64>) -> SpectrumAnswer {
