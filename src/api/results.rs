@@ -217,7 +217,7 @@ pub struct SpectrumQuery {
     #[param(inline = false)]
     scaling: Option<SpectrumScaling>,
     /// Motion that is shown; default: that of the channel. Bins below 10 Hz, and the first two, are left out of an integrated spectrum.
-    #[param(inline = false)]
+    #[param(inline)]
     quantity: Option<SpectrumQuantity>,
     /// Highest frequency of the answer [Hz].
     #[param(minimum = 0, example = 5000.0)]

@@ -12,7 +12,8 @@ use crate::contract::json::numbers::rounded;
 /// Lowest frequency of a spectrum that is integrated over time [Hz]: below, drift divided by the frequency hides the vibration.
 const LOWEST_INTEGRATED_HZ: f64 = 10.0;
 
-/// Motion that a spectrum shows. The discriminant counts derivatives.
+/// Motion that a spectrum shows.
+// The discriminant counts derivatives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SpectrumQuantity {
