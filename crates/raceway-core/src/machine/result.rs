@@ -60,7 +60,7 @@ pub struct SignalMetrics {
     pub kurtosis: Option<f64>,
     /// Of an acceleration [dB re 9.81 mm/s²].
     pub level_db: Option<f64>,
-    /// Of accelerations only.
+    /// Velocity, bands and power, of accelerations only.
     pub bands: Option<BandMetrics>,
     /// Change of the level of an acceleration along the recorded time [dB], where it rises or falls throughout.
     pub trend_db: Option<f64>,

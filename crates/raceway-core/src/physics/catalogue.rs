@@ -1,6 +1,6 @@
 //! Ball bearings by designation, from `data/bearings.csv`.
 //!
-//! The file gives boundary dimensions, balls, pitch circle and contact angle. `defaults` supplies what it does not give.
+//! The file gives boundary dimensions, balls, pitch circle and contact angle. The module `defaults` supplies what the file does not give.
 
 use std::sync::LazyLock;
 

@@ -27,7 +27,7 @@ pub struct Band {
     pub acceleration: f64,
 }
 
-/// What the Hann spectra of an acceleration say of it.
+/// Velocity, bands and power of an acceleration, from its Hann spectra.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandMetrics {
     /// The bands that the windows resolve.
@@ -46,9 +46,9 @@ pub(crate) struct Bands {
     /// Rising [Hz].
     edges: Vec<f64>,
     squares: Vec<[f64; 2]>,
-    /// Of the velocity in the band of severity.
+    /// Sum over the windows of the velocity's mean square in the band of severity [m²/s²].
     severity: f64,
-    /// Of the acceleration up to 20 kHz.
+    /// Sum over the windows of the acceleration's mean square up to 20 kHz [m²/s⁴].
     total: f64,
     windows: usize,
 }
@@ -93,7 +93,7 @@ impl Bands {
         self.windows += other.windows;
     }
 
-    /// What the spectra say of a signal with a root mean square [m/s²].
+    /// Velocity, bands and power of a signal with a root mean square [m/s²].
     pub fn metrics(&self, rms: f64) -> BandMetrics {
         let mean = |squares: f64| squares / self.windows as f64;
         let is_resolved = |from: f64| self.windows > 0 && from >= LOWEST_BIN * self.resolution;

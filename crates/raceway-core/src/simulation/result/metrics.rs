@@ -39,7 +39,7 @@ pub struct ChannelMetrics {
     pub level_db: Option<f64>,
     /// Share of the signal's power above 20 kHz [-].
     pub above_band: f64,
-    /// Of accelerations only.
+    /// Velocity, bands and power, of accelerations only.
     pub bands: Option<BandMetrics>,
 }
 
