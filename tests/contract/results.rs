@@ -42,7 +42,9 @@ fn a_spectrum_comes_as_json_and_csv() {
 #[test]
 fn a_spectrum_has_scalings_motions_and_bands() {
     let server = start();
-    let path = server.submit(&job_with(json!({ "outputs": { "bands_hz": [300, 1800, 10_000] } })));
+    let path = server.submit(&job_with(
+        json!({ "settle_s": 0.01, "duration_s": 0.02, "outputs": { "bands_hz": [300, 1800, 10_000] } }),
+    ));
     server.wait_for(&path, &["succeeded"]);
     let of = |query: &str| server.get(&format!("{path}/spectrum?channel=spindle.y.acceleration{query}")).json();
     let (amplitude, density) = (of(""), of("&scaling=psd"));

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::signals::{SpectrumAnswer, SpectrumKind, SpectrumScaling};
-use crate::contract::json::numbers::rounded;
+use crate::contract::json::numbers::{rounded, short};
 
 /// Lowest frequency of a spectrum that is integrated over time [Hz]: below, drift divided by the frequency hides the vibration.
 const LOWEST_INTEGRATED_HZ: f64 = 10.0;
@@ -131,6 +131,7 @@ impl SpectrumAnswer {
         let mut bands = Vec::with_capacity(edges.len().saturating_sub(1));
         for edge in edges {
             if !(lowest..=highest).contains(edge) {
+                let [edge, lowest, highest] = [*edge, lowest, highest].map(short);
                 return Err(format!(
                     "edges_hz: {edge} Hz: must be {lowest} to {highest} Hz, which the spectrum resolves"
                 ));
