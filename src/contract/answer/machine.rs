@@ -239,7 +239,7 @@ impl From<MachineError> for RunFailure {
             MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. }, .. }
             | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)
-            | MachineError::NotApplicable(..)
+            | MachineError::NotApplicable { .. }
             | MachineError::Rotor(_)
             | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
         };

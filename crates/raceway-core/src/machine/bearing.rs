@@ -42,13 +42,13 @@ pub struct BearingOnShaft {
 /// A bearing on a reduced level.
 #[derive(Debug, Clone)]
 pub struct ReducedBearing {
-    pub model: ReducedModel,
+    pub(super) model: ReducedModel,
     pub tilt: TiltHold,
 }
 
 /// Equations of a bearing whose ring moves in the plane.
 #[derive(Debug, Clone)]
-pub enum ReducedModel {
+pub(super) enum ReducedModel {
     SpindleOnly(SpindleOnly),
     RadiallyCondensed(RadiallyCondensed),
     Planar(Planar),

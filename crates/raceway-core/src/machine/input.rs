@@ -45,8 +45,8 @@ pub enum MachineError {
     #[error("bearing {bearing}: {source}")]
     Bearing { bearing: String, source: SimulationError },
     /// The selected model level cannot represent the machine.
-    #[error("{}: {1}", .0.name())]
-    NotApplicable(ModelLevel, MachineInapplicable),
+    #[error("{}: {reason}", .level.name())]
+    NotApplicable { level: ModelLevel, reason: MachineInapplicable },
     /// No bearing can hold the motion any more.
     #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy())]
     Lost { time: f64, cause: Loss, steps: StepsOfLoss },

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use super::bearing::{BearingOnShaft, ReducedBearing, ReducedModel, TiltHold, scene_on_shaft};
+use super::bearing::{ReducedBearing, ReducedModel, TiltHold, scene_on_shaft};
 use super::equations::MachineDynamics;
 use super::inapplicable::{BearingInapplicable, MachineInapplicable};
 use super::input::{Machine, MachineError};
@@ -115,7 +115,7 @@ impl MachineDynamics {
     /// The machine with its bearings on a level, or the reason why that cannot represent it.
     pub fn reduced_to(mut self, level: ReducedLevel, machine: &Machine) -> Result<Self, MachineError> {
         if let Some(reason) = inapplicability(machine, level) {
-            return Err(MachineError::NotApplicable(level.level(), reason));
+            return Err(MachineError::NotApplicable { level: level.level(), reason });
         }
         for (index, bearing) in self.bearings.iter_mut().enumerate() {
             let scene = in_plane(scene_on_shaft(machine, index, bearing.largest_load));

@@ -181,7 +181,7 @@ impl Run<'_> {
                 Err(stopped @ MachineError::Stopped(_)) => return Err(stopped),
                 Err(error) => {
                     let reason = match error {
-                        MachineError::NotApplicable(_, reason) => reason.to_string(),
+                        MachineError::NotApplicable { reason, .. } => reason.to_string(),
                         error => error.to_string(),
                     };
                     MachineWarning::LevelNotEligible { level: level.level(), reason }
