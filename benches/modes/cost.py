@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Processor time of a step of machines: more bearings, and modes of a shaft, against one bearing on a rigid spindle, on two model levels.
+"""Processor time of a step of machines: more bearings, and modes of a shaft, against one bearing on a rigid spindle, on the model levels of bearings.
 
 Usage: python3 benches/modes/cost.py --binary BINARY [--runs 5] [--csv FILE]
 
-All bearings are a 6205, at 6000 r/min under 500 N: on `full` in steps of 5.5 µs, and on `radially_condensed` in steps of 11 µs. Runs take turns over
+All bearings are a 6205, at 6000 r/min under 500 N: on `full` and `planar` in steps of 5.5 µs, on `radially_condensed` and `spindle_only` in steps of
+11 µs. Runs take turns over
 the machines; the ratio to the first machine is formed in each turn. A step is one evaluation of every bearing. What a run needs before its first
 step is left out, and so are repetitions: the difference of a longer record and one of 0.1 s, both repeated over 0.1 s. Beside the cost of the
 reduced level stands its largest deviation of a level from `full`.
@@ -45,9 +46,9 @@ MACHINES = {
 
 
 # Steps of each level [µs].
-LEVELS = {"full": 5.5, "radially_condensed": 11}
+LEVELS = {"full": 5.5, "planar": 5.5, "radially_condensed": 11, "spindle_only": 11}
 # Shorter and longer record of each level [s]: repetitions are most of a run on the reduced one, so that its difference has to be longer.
-RECORDS_S = {"full": (0.1, 0.5), "radially_condensed": (0.1, 2.1)}
+RECORDS_S = {"full": (0.1, 0.5), "planar": (0.1, 0.5), "radially_condensed": (0.1, 2.1), "spindle_only": (0.1, 4.1)}
 
 
 def timed(binary, scene, level, duration):

@@ -127,7 +127,8 @@ pub struct MachineBearingAnswer {
     pub ball_pass_inner_hz: f64,
     /// BSF: turns of a ball [Hz].
     pub ball_spin_hz: f64,
-    /// 1 − cage speed over that of ideal rolling at the free contact angle [-], both as seen from the ring that turns more slowly; absent at rest.
+    /// 1 − cage speed over that of ideal rolling at the free contact angle [-], both as seen from the ring that turns more slowly; absent at
+    /// rest and on `spindle_only`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage_slip: Option<f64>,
@@ -137,12 +138,14 @@ pub struct MachineBearingAnswer {
     /// Largest load of a ball on the outer raceway [N].
     #[schema(minimum = 0)]
     pub max_outer_load_n: f64,
-    /// Largest load of a pocket [N].
-    #[schema(minimum = 0)]
-    pub max_pocket_load_n: f64,
-    /// Largest slip of a loaded contact [m/s].
-    #[schema(minimum = 0)]
-    pub max_slip_m_s: f64,
+    /// Largest load of a pocket [N]; absent on `spindle_only`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub max_pocket_load_n: Option<f64>,
+    /// Largest slip of a loaded contact [m/s]; absent on `spindle_only`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0)]
+    pub max_slip_m_s: Option<f64>,
 }
 
 /// A natural motion.
@@ -236,7 +239,7 @@ impl From<MachineError> for RunFailure {
             MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. }, .. }
             | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)
-            | MachineError::NotApplicable(_)
+            | MachineError::NotApplicable { .. }
             | MachineError::Rotor(_)
             | MachineError::Bearing { .. } => DID_NOT_CONVERGE,
         };
@@ -345,8 +348,8 @@ fn bearing_answer(metrics: &BearingMetrics) -> MachineBearingAnswer {
         cage_slip: metrics.cage_slip,
         max_inner_load_n: record.inner_load,
         max_outer_load_n: record.outer_load,
-        max_pocket_load_n: record.pocket_load,
-        max_slip_m_s: record.slip,
+        max_pocket_load_n: metrics.moves_balls.then_some(record.pocket_load),
+        max_slip_m_s: metrics.moves_balls.then_some(record.slip),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Machine, MachineBearing};
-use raceway_core::machine::level::{LevelChoice, inapplicability};
+use raceway_core::machine::level::{LevelChoice, ReducedLevel, inapplicability};
 use raceway_core::machine::settings::{MachineSettings, RANGE};
 use raceway_core::numerics::spectrum::EnvelopeAnalysis;
 use raceway_core::physics::kinematics::RingSpeeds;
@@ -21,7 +21,7 @@ use super::submission::{ServiceFields, Submission};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::given_fields::given_fields;
 use crate::contract::json::numbers::{short, significant};
-use crate::contract::json::problem::Refusal;
+use crate::contract::json::problem::{Refusal, listed};
 use crate::contract::json::shapes::{object, optional_object, whole_number};
 use crate::contract::json::units::{DEG, US};
 use crate::contract::json::uploads::Uploads;
@@ -102,25 +102,28 @@ impl ShaftRequest for MachineInput {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MachineSolverInput {
-    /// Model level of all bearings: `full`, the default, or `radially_condensed`, for radial loads at a constant speed. The first 0.1 s of its record
+    /// Model level of all bearings: `full`, the default, or a leaner one, for radial loads at a constant speed. The first 0.1 s of its record
     /// are repeated on `full`; the result states the deviation of each level (`accuracy.model_errors_db`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<MachineRungName>)]
     pub rung: Option<String>,
-    /// Largest accepted error of a level by the model [dB], in place of `rung`. Above 0, `radially_condensed` is tried, and its result is that of
-    /// the job if no level deviates by more from `full`; otherwise the job runs on `full`.
+    /// Largest accepted error of a level by the model [dB], in place of `rung`. Above 0, `spindle_only` and then `radially_condensed` are tried.
+    /// The first whose levels deviate by no more from `full` gives the result; otherwise the job runs on `full`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 20, example = 0.5)]
     pub model_tolerance_db: Option<f64>,
 }
 
-/// `full`: six degrees of freedom for each ball and the cage. `radially_condensed`: balls in radial equilibrium between their raceways, moments
-/// linear in the tilt of the ring.
+/// `full`: six degrees of freedom for each ball and the cage. The others have moments that are linear in the tilt of the ring. `planar`: balls and
+/// cage move in their plane. `radially_condensed`: balls in radial equilibrium between their raceways. `spindle_only`: equally spaced balls as
+/// springs.
 #[derive(ToSchema)]
 #[schema(rename_all = "snake_case")]
 pub enum MachineRungName {
     Full,
+    Planar,
     RadiallyCondensed,
+    SpindleOnly,
 }
 
 impl MachineSolverInput {
@@ -131,18 +134,18 @@ impl MachineSolverInput {
             defaults.refuse("/solver/model_tolerance_db", detail);
         }
         match (self.rung.as_deref(), self.model_tolerance_db) {
-            (Some("radially_condensed"), _) => {
-                if let Some(reason) = machine.and_then(inapplicability) {
-                    defaults.refuse("/solver/rung", format!("`radially_condensed` does not apply: {reason}"));
-                }
-                LevelChoice::RadiallyCondensed
-            }
             (Some("full"), _) => LevelChoice::Full,
-            (Some(other), _) => {
-                let shown: String = other.chars().take(100).collect();
-                let detail = format!("`{shown}` is unknown; available: `full`, `radially_condensed`");
-                defaults.refuse("/solver/rung", detail);
-                LevelChoice::Full
+            (Some(name), _) => {
+                let Some(level) = ReducedLevel::named(name) else {
+                    let shown: String = name.chars().take(100).collect();
+                    let known = listed(ReducedLevel::ALL.map(|level| level.level().name()));
+                    defaults.refuse("/solver/rung", format!("`{shown}` is unknown; available: `full`, {known}"));
+                    return LevelChoice::Full;
+                };
+                if let Some(reason) = machine.and_then(|machine| inapplicability(machine, level)) {
+                    defaults.refuse("/solver/rung", format!("`{name}` does not apply: {reason}"));
+                }
+                LevelChoice::Reduced(level)
             }
             (None, Some(tolerance_db)) => {
                 defaults.check("/solver/model_tolerance_db", tolerance_db);

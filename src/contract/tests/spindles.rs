@@ -185,7 +185,8 @@ fn a_machine_takes_the_level_that_can_represent_it() {
     };
     let plain = with(Value::Null, false).unwrap();
     assert!(plain.complete().get("solver").is_none());
-    for solver in [json!({ "rung": "radially_condensed" }), json!({ "model_tolerance_db": 0.5 })] {
+    let levels = ["spindle_only", "radially_condensed", "planar"].map(|name| json!({ "rung": name }));
+    for solver in levels.into_iter().chain([json!({ "model_tolerance_db": 0.5 })]) {
         let job = with(solver.clone(), false).unwrap();
         assert_eq!(job.complete()["solver"], solver);
         assert_ne!(job.canonical(), plain.canonical());
@@ -193,7 +194,7 @@ fn a_machine_takes_the_level_that_can_represent_it() {
     }
     for (solver, pointer, detail) in [
         (json!({ "rung": "radially_condensed" }), "/solver/rung", "bearing A"),
-        (json!({ "rung": "planar" }), "/solver/rung", "available: `full`, `radially_condensed`"),
+        (json!({ "rung": "periodic" }), "/solver/rung", "available: `full`, `spindle_only`, `radially_condensed`, `planar`"),
         (json!({ "model_tolerance_db": 21 }), "/solver/model_tolerance_db", "20 dB"),
         (json!({ "rung": "full", "model_tolerance_db": 0.5 }), "/solver/model_tolerance_db", "goes without `rung`"),
         (json!({ "method": "auto" }), "/solver/method", "unknown"),

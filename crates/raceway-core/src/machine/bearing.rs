@@ -12,13 +12,15 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::Mechanism;
-use crate::simulation::model::dynamics::Full;
+use crate::simulation::model::dynamics::{Full, Planar};
 use crate::simulation::model::dynamics::on_ring::{RingLoad, Rings};
 use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::radially_condensed::RadiallyCondensed;
-use crate::simulation::model::state::SpindleState;
+use crate::simulation::model::spindle_only::equations::SpindleOnly;
+use crate::simulation::model::state::{Layout, SpindleState};
 use crate::simulation::model::surfaces::with_surfaces;
 use crate::simulation::model::terms::ActiveTerms;
+use crate::simulation::solve::fixed_step::AXIAL_STEP;
 use crate::simulation::solve::surface_warnings::contact_warnings;
 
 /// A bearing on the shaft.
@@ -26,7 +28,7 @@ use crate::simulation::solve::surface_warnings::contact_warnings;
 pub struct BearingOnShaft {
     pub dynamics: Full,
     /// `Some`: steps are those of this model, whose ring moves in the plane.
-    pub condensed: Option<CondensedBearing>,
+    pub reduced: Option<ReducedBearing>,
     /// Its facing, and the place of its outer ring at rest, to which its state refers.
     pub mounted: Mounted,
     /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
@@ -37,11 +39,57 @@ pub struct BearingOnShaft {
     pub surface_warnings: Vec<Warning>,
 }
 
-/// A bearing on `radially_condensed`.
+/// A bearing on a reduced level.
 #[derive(Debug, Clone)]
-pub struct CondensedBearing {
-    pub model: RadiallyCondensed,
+pub struct ReducedBearing {
+    pub(super) model: ReducedModel,
     pub tilt: TiltHold,
+}
+
+/// Equations of a bearing whose ring moves in the plane.
+#[derive(Debug, Clone)]
+pub(super) enum ReducedModel {
+    SpindleOnly(SpindleOnly),
+    RadiallyCondensed(RadiallyCondensed),
+    Planar(Planar),
+}
+
+impl ReducedModel {
+    /// Longest step that is tried [s].
+    pub(super) fn longest_step(&self) -> f64 {
+        match self {
+            Self::SpindleOnly(model) => model.longest_step_on_ring(),
+            Self::RadiallyCondensed(model) => model.longest_step_on_ring(),
+            Self::Planar(_) => AXIAL_STEP,
+        }
+    }
+
+    /// Number of states of balls and cage.
+    pub(super) fn states(&self) -> usize {
+        match self {
+            Self::SpindleOnly(_) => 0,
+            Self::RadiallyCondensed(model) => model.states_on_ring(),
+            Self::Planar(model) => entries(&model.mechanism().layout),
+        }
+    }
+
+    pub(super) fn level(&self) -> ModelLevel {
+        match self {
+            Self::SpindleOnly(_) => ModelLevel::SpindleOnly,
+            Self::RadiallyCondensed(_) => ModelLevel::RadiallyCondensed,
+            Self::Planar(_) => ModelLevel::Planar,
+        }
+    }
+
+    /// Whether loads depend on the acceleration of the ring.
+    pub(super) fn needs_accelerations(&self) -> bool {
+        !matches!(self, Self::Planar(_))
+    }
+}
+
+/// Number of states of balls and cage in a layout.
+fn entries(layout: &Layout) -> usize {
+    layout.dimension() - 2 * layout.freedoms().len()
 }
 
 /// Moments of the balls on the inner ring, linear in its tilt about the operating point.
@@ -70,8 +118,7 @@ impl TiltHold {
 impl BearingOnShaft {
     /// Number of entries of balls and cage.
     pub fn entries(&self) -> usize {
-        let layout = self.dynamics.mechanism().layout;
-        layout.dimension() - 2 * layout.freedoms().len()
+        entries(&self.dynamics.mechanism().layout)
     }
 
     /// Motion of the rings in the bearing's own axes, by displacements and velocities of the shaft at its place, and of the outer ring where it moves.
@@ -149,7 +196,7 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
         }
         bearings.push(BearingOnShaft {
             dynamics: Full::new(mechanism),
-            condensed: None,
+            reduced: None,
             largest_load,
             mounted,
             outer_rest,

@@ -1,31 +1,24 @@
 //! Fixed steps of a bearing between shaft and housing, on its level of the model.
 
-use super::bearing::{BearingOnShaft, CondensedBearing, TiltHold};
+use super::bearing::{BearingOnShaft, ReducedBearing};
+use super::reduced_stepper::ReducedStepper;
 use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::frames::Vector;
 use crate::physics::statics::Matrix;
 use crate::simulation::model::dynamics::on_ring::{RingStepper, Rings};
-use crate::simulation::model::radially_condensed::on_ring::{BallSeen, CondensedOnRing, LoadOnRing, RingMotion};
-use crate::simulation::model::state::SpindleState;
+use crate::simulation::model::ring_motion::BallSeen;
 use crate::simulation::model::step_loads::PackedStepLoads;
 
 /// Balls and cage of a bearing, driven by the motion of its rings.
 pub(crate) enum BearingStepper<'m> {
     Full(Box<FullStepper<'m>>),
-    RadiallyCondensed(Box<CondensedStepper<'m>>),
+    Reduced(Box<ReducedStepper<'m>>),
 }
 
 /// On the level `full`.
 pub(crate) struct FullStepper<'m> {
     bearing: &'m BearingOnShaft,
-    steps: RingStepper<'m>,
-}
-
-/// On the level `radially_condensed`: balls follow the ring in the plane, and linear moments hold its tilt.
-pub(crate) struct CondensedStepper<'m> {
-    bearing: &'m BearingOnShaft,
-    steps: CondensedOnRing<'m>,
-    tilt: &'m TiltHold,
+    steps: RingStepper<'m, false>,
 }
 
 /// Predicted motion of the rings of a bearing at the end of a step, in its own axes.
@@ -57,14 +50,13 @@ pub(crate) struct Resistance {
 impl<'m> BearingStepper<'m> {
     /// A bearing at a motion of its rings; `state`: of balls and cage on `full`.
     pub(crate) fn new(bearing: &'m BearingOnShaft, time: f64, state: &[f64], rings: Rings) -> Self {
-        match &bearing.condensed {
+        match &bearing.reduced {
             None => {
                 let steps = RingStepper::new(&bearing.dynamics, time, state, rings.inner);
                 Self::Full(Box::new(FullStepper { bearing, steps }))
             }
-            Some(CondensedBearing { model, tilt }) => {
-                let steps = CondensedOnRing::new(model, time, &in_plane(&rings.inner, [0.0; 2]));
-                Self::RadiallyCondensed(Box::new(CondensedStepper { bearing, steps, tilt }))
+            Some(ReducedBearing { model, tilt }) => {
+                Self::Reduced(Box::new(ReducedStepper::new(bearing, (model, tilt), time, state, &rings.inner)))
             }
         }
     }
@@ -73,7 +65,7 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn first_load(&self, rings: &Rings) -> Option<[f64; 5]> {
         match self {
             Self::Full(_) => None,
-            Self::RadiallyCondensed(of) => Some(of.port(&of.steps.first_load(), &rings.inner).wrench),
+            Self::Reduced(of) => of.first_load(&rings.inner),
         }
     }
 
@@ -81,7 +73,7 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn begin(&mut self) {
         match self {
             Self::Full(of) => of.steps.begin(),
-            Self::RadiallyCondensed(of) => of.steps.begin(),
+            Self::Reduced(of) => of.begin(),
         }
     }
 
@@ -89,7 +81,7 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn keep(&mut self) {
         match self {
             Self::Full(of) => of.steps.keep(),
-            Self::RadiallyCondensed(of) => of.steps.keep(),
+            Self::Reduced(of) => of.keep(),
         }
     }
 
@@ -97,7 +89,7 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn recall(&mut self) {
         match self {
             Self::Full(of) => of.steps.recall(),
-            Self::RadiallyCondensed(of) => of.steps.recall(),
+            Self::Reduced(of) => of.recall(),
         }
     }
 
@@ -111,11 +103,7 @@ impl<'m> BearingStepper<'m> {
                 let resistance = Resistance { stiffness, damping, slope: None };
                 Some(PortLoad { wrench: of.bearing.on_shaft(&load), resistance })
             }),
-            Self::RadiallyCondensed(of) => {
-                let ring = in_plane(&predicted.rings.inner, predicted.acceleration);
-                let load = of.steps.advance(end, step, &ring, predicted.shares);
-                [Some(of.port(&load, &predicted.rings.inner)), None]
-            }
+            Self::Reduced(of) => [Some(of.advance(end, step, predicted)), None],
         }
     }
 
@@ -123,18 +111,15 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn finish(&mut self, rings: impl FnOnce() -> Rings) {
         match self {
             Self::Full(of) => of.steps.finish(),
-            Self::RadiallyCondensed(of) => of.steps.finish(&in_plane(&rings().inner, [0.0; 2])),
+            Self::Reduced(of) => of.finish(|| rings().inner),
         }
     }
 
     /// Loads and slip of a ball in the last step.
     pub(crate) fn seen(&self, ball: usize) -> BallSeen {
         match self {
-            Self::Full(of) => {
-                let now = PackedStepLoads(of.steps.step_loads()).of(ball);
-                BallSeen { load: now.load, slip: now.slip_square.map(|square| square.sqrt()), pocket: now.pocket }
-            }
-            Self::RadiallyCondensed(of) => of.steps.seen(ball),
+            Self::Full(of) => ball_of(of.steps.step_loads(), ball),
+            Self::Reduced(of) => of.seen(ball),
         }
     }
 
@@ -142,14 +127,8 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn cage_speed(&self, time: f64) -> f64 {
         let m = self.bearing().dynamics.mechanism();
         let arc_velocity = match self {
-            Self::Full(of) => {
-                let (layout, state, balls) = (m.layout, of.steps.state(), m.layout.balls);
-                match layout.cage {
-                    true => layout.cage(state).arc_velocity,
-                    false => (0..balls).map(|ball| layout.ball(state, ball).arc_velocity).sum::<f64>() / balls as f64,
-                }
-            }
-            Self::RadiallyCondensed(of) => of.steps.arc_velocity(),
+            Self::Full(of) => of.steps.arc_velocity(),
+            Self::Reduced(of) => of.arc_velocity(),
         };
         m.orbit_speed(&m.rotations(time), arc_velocity)
     }
@@ -158,14 +137,8 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn spin(&self, ball: usize, time: f64) -> Vector {
         let m = self.bearing().dynamics.mechanism();
         let (arc_velocity, [x, y, z]) = match self {
-            Self::Full(of) => {
-                let ball = m.layout.ball(of.steps.state(), ball);
-                (ball.arc_velocity, ball.spin)
-            }
-            Self::RadiallyCondensed(of) => {
-                let (arc_velocity, about_x) = of.steps.ball(ball);
-                (arc_velocity, [about_x, 0.0, 0.0])
-            }
+            Self::Full(of) => of.steps.ball_turns(ball),
+            Self::Reduced(of) => of.ball_turns(ball),
         };
         [m.rotations(time).turn_speed + x - arc_velocity / m.pitch_radius, y, z]
     }
@@ -174,37 +147,20 @@ impl<'m> BearingStepper<'m> {
     pub(crate) fn touching(&self) -> Option<usize> {
         match self {
             Self::Full(of) => of.steps.touching(),
-            Self::RadiallyCondensed(_) => None,
+            Self::Reduced(of) => of.touching(),
         }
     }
 
     fn bearing(&self) -> &'m BearingOnShaft {
         match self {
             Self::Full(of) => of.bearing,
-            Self::RadiallyCondensed(of) => of.bearing,
+            Self::Reduced(of) => of.bearing(),
         }
     }
 }
 
-impl CondensedStepper<'_> {
-    fn port(&self, LoadOnRing { force: [y, z], slope: [yy, yz, zz] }: &LoadOnRing, ring: &SpindleState) -> PortLoad {
-        let (mounted, hold) = (&self.bearing.mounted, self.tilt);
-        let mut slope = [[0.0; 5]; 5];
-        (slope[1][1], slope[1][2], slope[2][1], slope[2][2]) = (*yy, *yz, *yz, *zz);
-        let [stiffness, damping] = [&hold.stiffness, &hold.damping].map(|of_tilt| {
-            let mut matrix = [[0.0; 5]; 5];
-            (0..2).for_each(|row| matrix[3 + row][3..].copy_from_slice(&of_tilt[row]));
-            mounted.along_shaft(&matrix)
-        });
-        let [about_y, about_z] = hold.moment(ring);
-        PortLoad {
-            wrench: mounted.wrench_on_shaft(&[0.0, *y, *z, about_y, about_z]),
-            resistance: Resistance { stiffness, damping, slope: Some(mounted.along_shaft(&slope)) },
-        }
-    }
-}
-
-fn in_plane(ring: &SpindleState, acceleration: [f64; 2]) -> RingMotion {
-    let ([_, y, z], [_, vy, vz]) = (ring.position, ring.velocity);
-    RingMotion { place: [y, z], velocity: [vy, vz], acceleration }
+/// Loads and slip of a ball in packed ones.
+pub(super) fn ball_of(step_loads: &[f64], ball: usize) -> BallSeen {
+    let now = PackedStepLoads(step_loads).of(ball);
+    BallSeen { load: now.load, slip: now.slip_square.map(|square| square.sqrt()), pocket: now.pocket }
 }

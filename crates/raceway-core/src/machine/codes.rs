@@ -3,6 +3,7 @@
 use super::channel::MachineChannel;
 use super::input::Loss;
 use crate::simulation::error::codes::Warning;
+use crate::simulation::input::model_level::ModelLevel;
 
 /// A reason to doubt a number of a run, or a remark. Bearings count from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,15 +25,17 @@ pub enum MachineWarning {
     StepRejected(RejectedStep),
     /// The selected model level deviates from `full` by more than is allowed.
     ModelNotConfirmed(LevelDeviation),
-    /// `radially_condensed` was tried, and `full` took its place.
+    /// A reduced level was tried, and a richer one took its place.
     LevelRejected(LevelDeviation),
-    /// `radially_condensed` could not be tried, and `full` took its place.
-    LevelNotEligible(String),
+    /// A reduced level gave no result, and a richer one took its place.
+    LevelNotEligible { level: ModelLevel, reason: String },
 }
 
 /// Largest deviation of a level from `full` [dB], over the time that was repeated [s].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelDeviation {
+    /// The reduced level.
+    pub level: ModelLevel,
     pub channel: MachineChannel,
     pub error_db: f64,
     pub allowed_db: f64,

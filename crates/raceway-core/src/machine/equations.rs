@@ -1,6 +1,6 @@
 //! The equations of motion of a machine: each bearing at the motion of its rings, shaft and housing under their loads.
 
-use super::bearing::{BearingOnShaft, bearings};
+use super::bearing::{BearingOnShaft, ReducedModel, bearings};
 use super::frame::Frame;
 use super::input::{Machine, MachineError};
 use crate::numerics::ode::OdeSystem;
@@ -35,9 +35,14 @@ impl MachineDynamics {
         Ok(Self { frame, bearings, speed, outer_speed })
     }
 
+    /// Models of the bearings that are on a reduced level.
+    fn reduced(&self) -> impl Iterator<Item = &ReducedModel> {
+        self.bearings.iter().filter_map(|bearing| Some(&bearing.reduced.as_ref()?.model))
+    }
+
     /// Whether loads of bearings depend on the accelerations of their rings.
     pub(super) fn needs_accelerations(&self) -> bool {
-        self.bearings.iter().any(|bearing| bearing.condensed.is_some())
+        self.reduced().any(ReducedModel::needs_accelerations)
     }
 
     /// Places and velocities of the coordinates of shaft and housing in a state.
@@ -66,14 +71,14 @@ impl MachineDynamics {
 
     /// Model level of the bearings.
     pub fn level(&self) -> ModelLevel {
-        if self.needs_accelerations() { ModelLevel::RadiallyCondensed } else { ModelLevel::Full }
+        self.reduced().next().map_or(ModelLevel::Full, ReducedModel::level)
     }
 
     /// Number of first-order states in the steps of a run.
     pub fn states(&self) -> usize {
-        let of_bearing = |bearing: &BearingOnShaft| match &bearing.condensed {
+        let of_bearing = |bearing: &BearingOnShaft| match &bearing.reduced {
             None => bearing.entries(),
-            Some(condensed) => condensed.model.states_on_ring(),
+            Some(reduced) => reduced.model.states(),
         };
         self.bearings.iter().map(of_bearing).sum::<usize>() + 2 * self.frame.len()
     }

@@ -1,6 +1,7 @@
 //! Reasons why a reduced model does not apply to a machine.
 
 use crate::simulation::model::inapplicable::Inapplicable;
+use crate::simulation::model::terms::UnsupportedChoice;
 
 /// Reason why a reduced model cannot represent a machine. Bearings have their names.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -18,5 +19,23 @@ pub enum MachineInapplicable {
     #[error("the outer ring of bearing {bearing} is set off along X or tilted (`preloads`, `outer_ring`)")]
     OuterRingOff { bearing: String },
     #[error("bearing {bearing}: {reason}")]
-    Bearing { bearing: String, reason: Inapplicable },
+    Bearing { bearing: String, reason: BearingInapplicable },
+}
+
+/// Reason why a reduced model cannot represent the scene of a bearing.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BearingInapplicable {
+    #[error(transparent)]
+    Scene(#[from] Inapplicable),
+    #[error("{0}")]
+    Choice(UnsupportedChoice),
+}
+
+impl From<UnsupportedChoice> for BearingInapplicable {
+    fn from(choice: UnsupportedChoice) -> Self {
+        match choice {
+            UnsupportedChoice::ModelLevel { reason, .. } => Self::Scene(reason),
+            choice @ UnsupportedChoice::Term { .. } => Self::Choice(choice),
+        }
+    }
 }

@@ -7,6 +7,7 @@ use crate::physics::operation::SpeedProfile;
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::rotor::input::{Rotor, RotorError};
 pub use crate::rotor::sensor::{Part, Sensor};
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::{Departure, SimulationError};
 
@@ -44,8 +45,8 @@ pub enum MachineError {
     #[error("bearing {bearing}: {source}")]
     Bearing { bearing: String, source: SimulationError },
     /// The selected model level cannot represent the machine.
-    #[error("radially_condensed: {0}")]
-    NotApplicable(MachineInapplicable),
+    #[error("{}: {reason}", .level.name())]
+    NotApplicable { level: ModelLevel, reason: MachineInapplicable },
     /// No bearing can hold the motion any more.
     #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy())]
     Lost { time: f64, cause: Loss, steps: StepsOfLoss },

@@ -1,31 +1,65 @@
-//! Bearings of a machine on the level `radially_condensed`: machines that it can represent, and its equations.
+//! Bearings of a machine on a reduced level: machines that it can represent, and its equations.
 
 use std::array::from_fn;
 
-use super::bearing::{BearingOnShaft, CondensedBearing, TiltHold, scene_on_shaft};
+use super::bearing::{ReducedBearing, ReducedModel, TiltHold, scene_on_shaft};
 use super::equations::MachineDynamics;
-use super::inapplicable::MachineInapplicable;
+use super::inapplicable::{BearingInapplicable, MachineInapplicable};
 use super::input::{Machine, MachineError};
 use crate::physics::contact::damping::DampingFactor;
 use crate::physics::spindle::{AxialHold, SpindleTilt};
 use crate::physics::statics::Matrix;
 use crate::physics::statics::ring::RingState;
+use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::Outputs;
+use crate::simulation::model::dynamics::Planar;
+use crate::simulation::model::failure::SimulationError;
+use crate::simulation::model::mechanism::Mechanism;
 use crate::simulation::model::radially_condensed::{self, RadiallyCondensed};
+use crate::simulation::model::spindle_only;
+use crate::simulation::model::surfaces::with_surfaces;
+use crate::simulation::model::terms::ActiveTerms;
 
 /// Model level of the bearings of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum LevelChoice {
     #[default]
     Full,
-    RadiallyCondensed,
-    /// `radially_condensed` where `full` shows no larger error of a level [dB], else `full`.
+    Reduced(ReducedLevel),
+    /// The leanest of `ReducedLevel::TRIED` for which `full` shows no larger error of a level [dB], else `full`.
     Within(f64),
 }
 
-/// Reason why `radially_condensed` cannot represent the bearings of a machine; `None`: it can.
-pub fn inapplicability(machine: &Machine) -> Option<MachineInapplicable> {
+/// Level that leaves out axial motion of the bearings and couples them to the shaft by radial ports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReducedLevel {
+    SpindleOnly,
+    RadiallyCondensed,
+    Planar,
+}
+
+impl ReducedLevel {
+    pub const ALL: [Self; 3] = [Self::SpindleOnly, Self::RadiallyCondensed, Self::Planar];
+    /// Levels that are tried, the leanest first. `planar` holds the tilt in the same way as `radially_condensed`, and saves little of `full`.
+    pub const TRIED: [Self; 2] = [Self::SpindleOnly, Self::RadiallyCondensed];
+
+    pub fn level(self) -> ModelLevel {
+        match self {
+            Self::SpindleOnly => ModelLevel::SpindleOnly,
+            Self::RadiallyCondensed => ModelLevel::RadiallyCondensed,
+            Self::Planar => ModelLevel::Planar,
+        }
+    }
+
+    /// The level of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|level| level.level().name() == name)
+    }
+}
+
+/// Reason why a level cannot represent the bearings of a machine; `None`: it can.
+pub fn inapplicability(machine: &Machine, level: ReducedLevel) -> Option<MachineInapplicable> {
     let of_machine = if machine.bearings.is_empty() {
         Some(MachineInapplicable::NoBearing)
     } else if machine.rotor.shaft.is_axially_free {
@@ -35,10 +69,10 @@ pub fn inapplicability(machine: &Machine) -> Option<MachineInapplicable> {
     } else {
         None
     };
-    of_machine.or_else(|| (0..machine.bearings.len()).find_map(|index| of_bearing(machine, index)))
+    of_machine.or_else(|| (0..machine.bearings.len()).find_map(|index| of_bearing(machine, level, index)))
 }
 
-fn of_bearing(machine: &Machine, index: usize) -> Option<MachineInapplicable> {
+fn of_bearing(machine: &Machine, level: ReducedLevel, index: usize) -> Option<MachineInapplicable> {
     let (of, placed) = (&machine.bearings[index], &machine.rotor.bearings[index]);
     let bearing = || of.name.clone();
     let [x, _, _, about_y, about_z] = placed.mounted.outer;
@@ -47,10 +81,25 @@ fn of_bearing(machine: &Machine, index: usize) -> Option<MachineInapplicable> {
     } else if [x, about_y, about_z] != [0.0; 3] || placed.mounted.spring.is_some() {
         Some(MachineInapplicable::OuterRingOff { bearing: bearing() })
     } else {
-        let scene = in_plane(scene_on_shaft(machine, index, [0.0; 3]));
-        let reason = radially_condensed::inapplicability(&scene, &Outputs::vibration())?;
+        let reason = of_scene(&in_plane(scene_on_shaft(machine, index, [0.0; 3])), level)?;
         Some(MachineInapplicable::Bearing { bearing: bearing(), reason })
     }
+}
+
+/// Reason why a level cannot represent the scene of a bearing.
+fn of_scene(scene: &Scene, level: ReducedLevel) -> Option<BearingInapplicable> {
+    let outputs = Outputs::vibration();
+    let terms = |level| ActiveTerms::of(scene, &outputs, Some(level)).map_err(BearingInapplicable::from);
+    let condensed = || radially_condensed::inapplicability(scene, &outputs);
+    let reason = match level {
+        ReducedLevel::Planar => return terms(ModelLevel::Planar).err(),
+        ReducedLevel::RadiallyCondensed => condensed(),
+        ReducedLevel::SpindleOnly => match terms(ModelLevel::Full) {
+            Err(reason) => return Some(reason),
+            Ok(terms) => spindle_only::inapplicability(scene, &terms, &outputs).or_else(condensed),
+        },
+    };
+    reason.map(BearingInapplicable::Scene)
 }
 
 /// The scene of a bearing whose ring moves in the plane alone.
@@ -63,26 +112,39 @@ fn in_plane(mut scene: Scene) -> Scene {
 }
 
 impl MachineDynamics {
-    /// The machine with its bearings on `radially_condensed`, or the reason why that cannot represent it.
-    pub fn radially_condensed(mut self, machine: &Machine) -> Result<Self, MachineError> {
-        if let Some(reason) = inapplicability(machine) {
-            return Err(MachineError::NotApplicable(reason));
+    /// The machine with its bearings on a level, or the reason why that cannot represent it.
+    pub fn reduced_to(mut self, level: ReducedLevel, machine: &Machine) -> Result<Self, MachineError> {
+        if let Some(reason) = inapplicability(machine, level) {
+            return Err(MachineError::NotApplicable { level: level.level(), reason });
         }
         for (index, bearing) in self.bearings.iter_mut().enumerate() {
-            let model = model(machine, index, bearing)?;
+            let scene = in_plane(scene_on_shaft(machine, index, bearing.largest_load));
+            let of = &machine.bearings[index];
+            let model = model(&scene, level, of.start_azimuth)
+                .map_err(|source| MachineError::Bearing { bearing: of.name.clone(), source })?;
             let tilt = tilt_hold(&self.frame.system.operating[0].rings[index], &machine.rotor.bearings[index].damping);
-            bearing.condensed = Some(CondensedBearing { model, tilt });
+            bearing.reduced = Some(ReducedBearing { model, tilt });
         }
         Ok(self)
     }
 }
 
-fn model(machine: &Machine, index: usize, bearing: &BearingOnShaft) -> Result<RadiallyCondensed, MachineError> {
-    let scene = in_plane(scene_on_shaft(machine, index, bearing.largest_load));
-    let of = &machine.bearings[index];
-    RadiallyCondensed::new(&scene, &Outputs::vibration())
-        .map(|model| model.turned(of.start_azimuth))
-        .map_err(|source| MachineError::Bearing { bearing: of.name.clone(), source })
+fn model(scene: &Scene, level: ReducedLevel, start_azimuth: f64) -> Result<ReducedModel, SimulationError> {
+    let outputs = Outputs::vibration();
+    Ok(match level {
+        ReducedLevel::SpindleOnly => {
+            ReducedModel::SpindleOnly(spindle_only::turned_model(scene, &outputs, start_azimuth)?)
+        }
+        ReducedLevel::RadiallyCondensed => {
+            ReducedModel::RadiallyCondensed(RadiallyCondensed::new(scene, &outputs)?.turned(start_azimuth))
+        }
+        ReducedLevel::Planar => {
+            let terms = ActiveTerms::of(scene, &outputs, Some(ModelLevel::Planar))?;
+            let mut mechanism = with_surfaces(Mechanism::new(scene, &terms), scene);
+            mechanism.start = mechanism.start.turned(start_azimuth);
+            ReducedModel::Planar(Planar::new(mechanism))
+        }
+    })
 }
 
 fn tilt_hold(ring: &RingState, damping: &DampingFactor) -> TiltHold {

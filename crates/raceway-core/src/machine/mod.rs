@@ -23,6 +23,7 @@ mod growth;
 
 pub(crate) mod bearing_stepper;
 pub(crate) mod propagator;
+mod reduced_stepper;
 pub(crate) mod stepping;
 
 pub mod recording;

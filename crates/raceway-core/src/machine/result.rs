@@ -14,6 +14,7 @@ use crate::physics::kinematics::{BodySpeeds, CharacteristicFrequencies, RingSpee
 use crate::physics::operation::{RingRotation, SpeedProfile};
 use crate::simulation::error::stationarity::trend_of;
 use crate::simulation::input::model_level::ModelLevel;
+use crate::simulation::input::scene::Term;
 use crate::simulation::model::omission::{Condensation, OmissionReason};
 use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::recording::bands::BandMetrics;
@@ -82,8 +83,10 @@ pub struct BearingMetrics {
     pub record: BearingRecord,
     /// At the simulated speeds [Hz].
     pub frequencies: CharacteristicFrequencies,
-    /// 1 − cage speed / speed of ideal rolling without a contact angle [-]; `None` at rest.
+    /// 1 − cage speed / speed of ideal rolling without a contact angle [-]; `None` at rest, and where no ball moves by itself.
     pub cage_slip: Option<f64>,
+    /// Whether balls and cage move by themselves, so that slip and loads of pockets are known.
+    pub moves_balls: bool,
 }
 
 /// How far the numbers can be trusted.
@@ -167,7 +170,8 @@ impl MachineResult {
     pub(super) fn beyond(&self, allowed_db: f64) -> Option<LevelDeviation> {
         let model = self.accuracy.model.as_ref()?;
         let (channel, error_db) = model.largest()?;
-        (error_db > allowed_db).then_some(LevelDeviation { channel, error_db, allowed_db, window: model.window })
+        let deviation = LevelDeviation { level: self.level, channel, error_db, allowed_db, window: model.window };
+        (error_db > allowed_db).then_some(deviation)
     }
 }
 
@@ -178,7 +182,14 @@ fn left_out(level: ModelLevel) -> Vec<LeftOut> {
     }
     let reason = OmissionReason::Condensed(level, Condensation::LinearMoments);
     let tilt = LeftOut { term: "tilt", reason, by: Justification::Judgement, bound: None };
-    omissions(level, true).into_iter().chain([tilt]).collect()
+    let of_level = if level == ModelLevel::Planar { vec![in_plane()] } else { omissions(level, true) };
+    of_level.into_iter().chain([tilt]).collect()
+}
+
+/// Motion out of the plane, which `planar` leaves out.
+fn in_plane() -> LeftOut {
+    let reason = OmissionReason::Condensed(ModelLevel::Planar, Condensation::StaysInPlane);
+    LeftOut { term: Term::CageTilt.name(), reason, by: Justification::Judgement, bound: None }
 }
 
 fn metrics(channel: MachineChannel, values: &[f64], edges: &[f64]) -> SignalMetrics {
@@ -201,13 +212,15 @@ fn bearings(machine: &Machine, dynamics: &MachineDynamics, recording: &MachineRe
     let rotation = RingRotation { inner: dynamics.speed.clone(), outer: dynamics.outer_speed.clone() };
     let mean = |profile: &SpeedProfile| mean_speed(profile, recording);
     let rings = RingSpeeds { inner: mean(&rotation.inner), outer: mean(&rotation.outer) };
+    let moves_balls = dynamics.level() != ModelLevel::SpindleOnly;
     let of = |(bearing, record): (&MachineBearing, &BearingRecord)| {
         let geometry = &bearing.scene.bearing;
         let speeds = BodySpeeds::new(rings, record.cage_speed, record.ball_spin.abs());
         BearingMetrics {
             record: *record,
             frequencies: speeds.in_turns().frequencies(geometry),
-            cage_slip: speeds.cage_slip(ideal_orbit_ratio(geometry)).filter(|_| !rotation.reverses()),
+            cage_slip: speeds.cage_slip(ideal_orbit_ratio(geometry)).filter(|_| moves_balls && !rotation.reverses()),
+            moves_balls,
         }
     };
     machine.bearings.iter().zip(&recording.bearings).map(of).collect()

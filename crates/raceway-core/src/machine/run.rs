@@ -9,7 +9,7 @@ use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
-use super::level::LevelChoice;
+use super::level::{LevelChoice, ReducedLevel};
 use super::recording::{MachineRecording, Recorder};
 use super::result::{Accuracy, MachineResult, ModelErrors};
 use super::settings::MachineSettings;
@@ -62,11 +62,8 @@ pub fn simulate_on(
     let start = start_state(machine, &dynamics)?;
     let full = Run { machine, dynamics: &dynamics, start: &start, settle };
     match level {
-        LevelChoice::Full => full.result(settings, None, control),
-        LevelChoice::RadiallyCondensed => {
-            let condensed = dynamics.clone().radially_condensed(machine)?;
-            Run { dynamics: &condensed, ..full }.result(settings, Some(&full), control)
-        }
+        LevelChoice::Full => full.result(settings, control),
+        LevelChoice::Reduced(level) => full.reduced(level, settings, &mut None, control),
         LevelChoice::Within(tolerance_db) => full.leanest(settings, tolerance_db, control),
     }
 }
@@ -123,71 +120,98 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The result, with deviations from a run on `full` where this one is on another level.
-    fn result(
+    /// The result of this run.
+    fn result(&self, settings: &MachineSettings, control: &Control<'_>) -> Result<MachineResult, MachineError> {
+        let confirmed = self.confirmed(settings.step, times(settings), control)?;
+        Ok(self.evaluated(confirmed, None, settings))
+    }
+
+    /// The result of this run with its bearings on a level, and the deviations from this one. `of_full`: the recording of this run over the
+    /// compared time, made by the first call.
+    fn reduced(
         &self,
+        level: ReducedLevel,
         settings: &MachineSettings,
-        full: Option<&Self>,
+        of_full: &mut Option<MachineRecording>,
         control: &Control<'_>,
     ) -> Result<MachineResult, MachineError> {
-        let window = settings.duration.min(REPEATED);
-        let times = [settings.duration, window];
-        let own_share = if full.is_some() { LEVEL_SHARE } else { 1.0 };
-        let Confirmed { recording, errors, step, last, rejections, mut work, .. } =
-            control.part((0.0, own_share), |control| self.confirmed(settings.step, times, control))?;
-        let model = match full {
-            None => None,
-            Some(full) => Some(
-                control.part((own_share, 1.0), |control| full.deviations(&recording, window, control, &mut work))?,
+        let dynamics = self.dynamics.clone().reduced_to(level, self.machine)?;
+        let run = Run { dynamics: &dynamics, ..*self };
+        let mut confirmed =
+            control.part((0.0, LEVEL_SHARE), |control| run.confirmed(settings.step, times(settings), control))?;
+        let of_full = match of_full {
+            Some(known) => known,
+            None => of_full.insert(
+                control.part((LEVEL_SHARE, 1.0), |control| self.compared(settings, control, &mut confirmed.work))?,
             ),
         };
+        let [_, window] = times(settings);
+        let model = ModelErrors { window, levels: level_deviations(&confirmed.recording, of_full) };
+        Ok(run.evaluated(confirmed, Some(model), settings))
+    }
+
+    fn evaluated(
+        &self,
+        confirmed: Confirmed,
+        model: Option<ModelErrors>,
+        settings: &MachineSettings,
+    ) -> MachineResult {
+        let Confirmed { recording, errors, step, last, rejections, work, .. } = confirmed;
+        let [_, window] = times(settings);
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations, model };
         let mut result = MachineResult::of(self.machine, self.dynamics, recording, settings, accuracy);
         result.warnings = warnings(self.machine, self.dynamics, &result, (ALLOWED_DB, last));
         result.warnings.extend(rejections);
-        Ok(result)
+        result
     }
 
-    /// The result on `radially_condensed` where no level deviates by more than a tolerance [dB], else on this one.
+    /// The result on the leanest level where no level deviates by more than a tolerance [dB], else of this run.
     fn leanest(
         &self,
         settings: &MachineSettings,
         tolerance_db: f64,
         control: &Control<'_>,
     ) -> Result<MachineResult, MachineError> {
-        let trial = |control: &Control<'_>| {
-            let condensed = self.dynamics.clone().radially_condensed(self.machine)?;
-            Run { dynamics: &condensed, ..*self }.result(settings, Some(self), control)
-        };
-        let reason = match control.part((0.0, TRIAL_SHARE), trial) {
-            Err(stopped @ MachineError::Stopped(_)) => return Err(stopped),
-            Err(error) => MachineWarning::LevelNotEligible(error.to_string()),
-            Ok(mut result) => match result.beyond(tolerance_db) {
-                None => {
-                    result.warnings.retain(|warning| !matches!(warning, MachineWarning::ModelNotConfirmed(_)));
-                    return Ok(result);
+        let (mut reasons, mut of_full) = (Vec::new(), None);
+        let share = TRIAL_SHARE / ReducedLevel::TRIED.len() as f64;
+        for (tried, level) in ReducedLevel::TRIED.into_iter().enumerate() {
+            let part = (tried as f64 * share, (tried + 1) as f64 * share);
+            let trial = control.part(part, |control| self.reduced(level, settings, &mut of_full, control));
+            reasons.push(match trial {
+                Err(stopped @ MachineError::Stopped(_)) => return Err(stopped),
+                Err(error) => {
+                    let reason = match error {
+                        MachineError::NotApplicable { reason, .. } => reason.to_string(),
+                        error => error.to_string(),
+                    };
+                    MachineWarning::LevelNotEligible { level: level.level(), reason }
                 }
-                Some(deviation) => MachineWarning::LevelRejected(deviation),
-            },
-        };
-        let mut result = control.part((TRIAL_SHARE, 1.0), |control| self.result(settings, None, control))?;
-        result.warnings.push(reason);
+                Ok(mut result) => match result.beyond(tolerance_db) {
+                    None => {
+                        result.warnings.retain(|warning| !matches!(warning, MachineWarning::ModelNotConfirmed(_)));
+                        result.warnings.append(&mut reasons);
+                        return Ok(result);
+                    }
+                    Some(deviation) => MachineWarning::LevelRejected(deviation),
+                },
+            });
+        }
+        let mut result = control.part((TRIAL_SHARE, 1.0), |control| self.result(settings, control))?;
+        result.warnings.append(&mut reasons);
         Ok(result)
     }
 
-    /// Deviations of the levels of a recording from those of this run over its first part [s].
-    fn deviations(
+    /// The recording of this run over the time that is compared.
+    fn compared(
         &self,
-        recording: &MachineRecording,
-        window: f64,
+        settings: &MachineSettings,
         control: &Control<'_>,
         work: &mut Work,
-    ) -> Result<ModelErrors, MachineError> {
+    ) -> Result<MachineRecording, MachineError> {
         let step = StepLength { longest: first_step(self.dynamics), share: 1.0 };
-        let of_full = self
-            .record(window, step, control, work)
-            .map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))?;
-        Ok(ModelErrors { window, levels: level_deviations(recording, &of_full) })
+        let [_, window] = times(settings);
+        self.record(window, step, control, work)
+            .map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
     }
 
     /// Records the first of two times after settling [s]. Its steps are the selected ones [s], or the longest for which half steps confirm
@@ -292,6 +316,11 @@ impl Run<'_> {
     }
 }
 
+/// Recorded time, and the part of it that is repeated [s].
+fn times(settings: &MachineSettings) -> [f64; 2] {
+    [settings.duration, settings.duration.min(REPEATED)]
+}
+
 /// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times against their outer rings [s]. The run starts near its
 /// stationary motion already.
 pub(super) fn settling_time(dynamics: &MachineDynamics) -> f64 {
@@ -306,11 +335,11 @@ pub(super) fn settling_time(dynamics: &MachineDynamics) -> f64 {
 }
 
 /// First step that is tried [s]. It resolves the waves and defects of every bearing, and the correction of the ports' forces is stable where
-/// balls are condensed.
+/// balls are in radial equilibrium.
 fn first_step(dynamics: &MachineDynamics) -> f64 {
     let of_bearing = |bearing: &BearingOnShaft| {
         let m = bearing.dynamics.mechanism();
-        let longest = bearing.condensed.as_ref().map_or(AXIAL_STEP, |condensed| condensed.model.longest_step_on_ring());
+        let longest = bearing.reduced.as_ref().map_or(AXIAL_STEP, |reduced| reduced.model.longest_step());
         m.longest_wave_step().min(m.defect_step).min(longest)
     };
     let mut step = dynamics.bearings.iter().map(of_bearing).reduce(f64::min).unwrap_or(AXIAL_STEP);

@@ -107,7 +107,8 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
         MachineWarning::ModelNotConfirmed(deviation) => {
             let allowed_db = significant(deviation.allowed_db, 6);
             let text = format!(
-                "The selected model level radially_condensed is not confirmed within {allowed_db} dB: {}. Leave out solver.rung.",
+                "The selected model level {} is not confirmed within {allowed_db} dB: {}. Leave out solver.rung.",
+                deviation.level.name(),
                 of_deviation(machine, deviation)
             );
             (MessageCode::ModelNotConfirmed, text, level_values(machine, deviation))
@@ -115,16 +116,17 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
         MachineWarning::LevelRejected(deviation) => {
             severity = Severity::Info;
             let text = format!(
-                "Rejected: radially_condensed. {}, more than {} dB.",
+                "Rejected: {}. {}, more than {} dB.",
+                deviation.level.name(),
                 capital(&of_deviation(machine, deviation)),
                 significant(deviation.allowed_db, 6)
             );
             (MessageCode::CandidateRejected, text, level_values(machine, deviation))
         }
-        MachineWarning::LevelNotEligible(reason) => {
+        MachineWarning::LevelNotEligible { level, reason } => {
             severity = Severity::Info;
-            let text = format!("Model level radially_condensed gave no result: {reason}.");
-            (MessageCode::ModelNotEligible, text, vec![("rungs", json!(["radially_condensed"]))])
+            let text = format!("Model level {} gave no result: {reason}.", level.name());
+            (MessageCode::ModelNotEligible, text, vec![("rungs", json!([level.name()]))])
         }
         MachineWarning::StepRejected(rejected) => {
             severity = Severity::Info;
@@ -145,7 +147,7 @@ fn of_deviation(machine: &Machine, LevelDeviation { channel, error_db, window, .
 
 fn level_values(machine: &Machine, deviation: &LevelDeviation) -> Vec<(&'static str, Value)> {
     vec![
-        ("rung", json!("radially_condensed")),
+        ("rung", json!(deviation.level.name())),
         ("channel", json!(deviation.channel.named(machine).to_string())),
         ("level_error_db", json!(significant(deviation.error_db, 3))),
         ("allowed_db", json!(significant(deviation.allowed_db, 6))),

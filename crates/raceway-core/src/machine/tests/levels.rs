@@ -1,15 +1,19 @@
-//! Bearings on the level `radially_condensed`.
+//! Bearings on reduced levels.
 
 use super::*;
 use crate::machine::codes::MachineWarning;
-use crate::machine::inapplicable::MachineInapplicable;
-use crate::machine::level::{LevelChoice, inapplicability};
+use crate::machine::inapplicable::{BearingInapplicable, MachineInapplicable};
+use crate::machine::level::{LevelChoice, ReducedLevel, inapplicability};
 use crate::machine::recording::MachineRecording;
 use crate::machine::run::{Run, Work, simulate_on};
 use crate::simulation::input::channel::Channel;
+use crate::numerics::ode::Statistics;
+use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
+use crate::simulation::model::failure::SimulationError;
 use crate::simulation::model::inapplicable::Inapplicable;
-use crate::simulation::model::radially_condensed;
+use crate::simulation::model::{radially_condensed, spindle_only};
+use crate::simulation::recording::record::Recording;
 use crate::simulation::recording::windows::InBand;
 
 /// One bearing at the mass centre of the bar, without its disc and axially held.
@@ -60,7 +64,16 @@ fn levels(recording: &MachineRecording, bearing: usize) -> [f64; 2] {
 /// A shaft a million times as stiff on one bearing at its mass centre vibrates as the rigid spindle of a simulation on the same level. Both settle for
 /// 0.9 s: they start differently.
 #[test]
-fn a_very_stiff_shaft_is_the_condensed_spindle() {
+fn a_very_stiff_shaft_is_the_spindle_of_the_level() {
+    compared_with_rigid_spindle(ReducedLevel::RadiallyCondensed, radially_condensed::simulate);
+    compared_with_rigid_spindle(ReducedLevel::SpindleOnly, spindle_only::simulate);
+}
+
+/// Asserts that levels and cage speed of a shaft that hardly bends are those of a rigid spindle.
+fn compared_with_rigid_spindle(
+    level: ReducedLevel,
+    simulate: impl Fn(&Scene, &RunSettings, &Control<'_>) -> Result<(Recording, Statistics), SimulationError>,
+) {
     let mut machine = on_one_bearing();
     machine.rotor.shaft.material.elastic_modulus *= 1e6;
     let (times, step) = ([0.9, 0.1], 4.8828125e-6);
@@ -74,11 +87,10 @@ fn a_very_stiff_shaft_is_the_condensed_spindle() {
     scene.operation.load = machine.rotor.load;
     scene.gravity = machine.rotor.gravity;
     let settings = RunSettings { fixed_step: Some(step), ..RunSettings::new(times[0], times[1], Outputs::vibration()) };
-    let (rigid, _) = radially_condensed::simulate(&scene, &settings, &Control::until(&|| false)).unwrap();
-    let dynamics = MachineDynamics::new(&machine, RANGE, &|| false).unwrap().radially_condensed(&machine).unwrap();
+    let (rigid, _) = simulate(&scene, &settings, &Control::until(&|| false)).unwrap();
+    let dynamics = MachineDynamics::new(&machine, RANGE, &|| false).unwrap().reduced_to(level, &machine).unwrap();
     let recording = recorded(&machine, &dynamics, times, step);
-    let found = levels(&recording, 0);
-    for (axis, found) in [Axis::Y, Axis::Z].into_iter().zip(found) {
+    for (axis, found) in [Axis::Y, Axis::Z].into_iter().zip(levels(&recording, 0)) {
         let signal = rigid.of(Channel::Spindle(axis, Motion::Acceleration)).unwrap();
         let expected = 20.0 * signal.in_band().moments.rms().log10();
         assert!((found - expected).abs() < 1e-3, "{axis}: {found} dB, rigid {expected} dB");
@@ -87,17 +99,17 @@ fn a_very_stiff_shaft_is_the_condensed_spindle() {
     assert!(cage.abs() < 1e-6, "{cage:e}");
 }
 
-/// Largest deviation of a level of a bearing from that on `full` [dB], for a bar of a diameter [m].
-fn deviation_from_full(diameter: f64) -> f64 {
+/// Largest deviation of a level of a bearing from that on `full` [dB], for a bar of a diameter [m], on a level in steps of a length [s].
+fn deviation_from_full(diameter: f64, level: ReducedLevel, step: f64) -> f64 {
     let mut machine = on_two_bearings();
     machine.rotor.shaft.sections[0].tube.outer_diameter = diameter;
     let full = MachineDynamics::new(&machine, RANGE, &|| false).unwrap();
-    let condensed = full.clone().radially_condensed(&machine).unwrap();
+    let reduced = full.clone().reduced_to(level, &machine).unwrap();
     let times = [0.3, 0.1];
-    let (reference, found) = (recorded(&machine, &full, times, 5.5e-6), recorded(&machine, &condensed, times, 11e-6));
+    let (reference, found) = (recorded(&machine, &full, times, 5.5e-6), recorded(&machine, &reduced, times, step));
     let pairs = (0..2).flat_map(|bearing| levels(&found, bearing).into_iter().zip(levels(&reference, bearing)));
     let deviation = pairs.map(|(found, reference)| (found - reference).abs()).fold(0.0, f64::max);
-    println!("{} mm: {deviation} dB", 1e3 * diameter);
+    println!("{} mm, {}: {deviation} dB", 1e3 * diameter, level.level().name());
     deviation
 }
 
@@ -105,8 +117,12 @@ fn deviation_from_full(diameter: f64) -> f64 {
 /// the axis; that of 40 mm leans by 0.06 mrad.
 #[test]
 fn a_flexible_shaft_agrees_with_full() {
-    let (slender, stout) = (deviation_from_full(0.025), deviation_from_full(0.04));
+    let condensed = |diameter| deviation_from_full(diameter, ReducedLevel::RadiallyCondensed, 11e-6);
+    let (slender, stout) = (condensed(0.025), condensed(0.04));
     assert!(slender < 0.7 && stout < 0.1, "{slender} {stout}");
+    let planar = deviation_from_full(0.06, ReducedLevel::Planar, 5.5e-6);
+    let only = deviation_from_full(0.06, ReducedLevel::SpindleOnly, 11e-6);
+    assert!(planar < 0.02 && only < 0.5, "{planar} {only}");
 }
 
 /// A run states its deviation from `full`, and one within a tolerance is on `full` where the deviation is larger.
@@ -123,12 +139,16 @@ fn a_level_is_verified_against_full() {
         band_edges: Vec::new(),
     };
     let on = |level| simulate_on(level, &machine, &settings, &Control::until(&|| false)).unwrap();
-    let condensed = on(LevelChoice::RadiallyCondensed);
+    let condensed = on(LevelChoice::Reduced(ReducedLevel::RadiallyCondensed));
     let deviation = condensed.accuracy.model.as_ref().unwrap().largest().unwrap().1;
     assert!(condensed.level == ModelLevel::RadiallyCondensed && deviation > 1e-3, "{deviation}");
     assert!(condensed.left_out.iter().any(|left_out| left_out.term == "tilt"));
-    let within = on(LevelChoice::Within(2.0 * deviation));
+    let only = on(LevelChoice::Reduced(ReducedLevel::SpindleOnly)).accuracy.model.unwrap().largest().unwrap().1;
+    assert!(only > 2.0 * deviation, "{only} {deviation}");
+    let within = on(LevelChoice::Within(1.5 * deviation));
     assert_eq!((within.level, &within.accuracy.model), (condensed.level, &condensed.accuracy.model));
+    assert!(within.warnings.iter().any(|warning| matches!(warning, MachineWarning::LevelRejected(_))));
+    assert_eq!(on(LevelChoice::Within(2.0 * only)).level, ModelLevel::SpindleOnly);
     let rejected = on(LevelChoice::Within(0.5 * deviation));
     assert!(rejected.level == ModelLevel::Full && rejected.left_out.is_empty() && rejected.accuracy.model.is_none());
     let names_it = |warning: &MachineWarning| matches!(warning, MachineWarning::LevelRejected(_));
@@ -138,16 +158,20 @@ fn a_level_is_verified_against_full() {
 /// Machines that the level cannot represent are named with their cause.
 #[test]
 fn what_the_level_cannot_represent_is_named() {
-    assert_eq!(inapplicability(&on_two_bearings()), None);
-    assert_eq!(inapplicability(&motor_spindle()), Some(MachineInapplicable::AxiallyFree));
+    let condensed = |machine: &Machine| inapplicability(machine, ReducedLevel::RadiallyCondensed);
+    for level in ReducedLevel::ALL {
+        assert_eq!(inapplicability(&motor_spindle(), level), Some(MachineInapplicable::AxiallyFree));
+    }
+    assert_eq!(condensed(&on_two_bearings()), None);
+    assert_eq!(condensed(&motor_spindle()), Some(MachineInapplicable::AxiallyFree));
     let mut preloaded = motor_spindle();
     preloaded.rotor.shaft.is_axially_free = false;
-    assert_eq!(inapplicability(&preloaded), Some(MachineInapplicable::OuterRingOff { bearing: "A".to_owned() }));
+    assert_eq!(condensed(&preloaded), Some(MachineInapplicable::OuterRingOff { bearing: "A".to_owned() }));
     let mut run_up = on_two_bearings();
     run_up.speed = SpeedProfile::new(vec![(0.0, 100.0), (1.0, 200.0)]).unwrap();
-    assert_eq!(inapplicability(&run_up), Some(MachineInapplicable::SpeedChanges));
+    assert_eq!(condensed(&run_up), Some(MachineInapplicable::SpeedChanges));
     let mut without_cage = on_two_bearings();
     without_cage.bearings[1].scene.terms.set(Term::Cage, TermChoice::Off);
-    let reason = MachineInapplicable::Bearing { bearing: "B".to_owned(), reason: Inapplicable::NoCage };
-    assert_eq!(inapplicability(&without_cage), Some(reason));
+    let reason = MachineInapplicable::Bearing { bearing: "B".to_owned(), reason: BearingInapplicable::Scene(Inapplicable::NoCage) };
+    assert_eq!(condensed(&without_cage), Some(reason));
 }

@@ -45,6 +45,8 @@ pub(crate) mod heights;
 
 pub mod step_ratio;
 
+pub(crate) mod ring_motion;
+
 pub mod radially_condensed;
 
 pub mod spindle_only;

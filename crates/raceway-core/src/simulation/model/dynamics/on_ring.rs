@@ -2,7 +2,7 @@
 //! the rings.
 
 pub(crate) use super::equations::Rings;
-use super::equations::{Full, OnRings};
+use super::equations::{Dynamics, Full, OnRings};
 pub(crate) use super::semi_implicit::correction::RingResistance;
 use super::semi_implicit::{Node, SemiImplicit};
 use super::watch::Watch;
@@ -92,14 +92,14 @@ impl Rings {
 }
 
 /// Balls and cage in fixed steps, driven by whoever moves the rings.
-pub(crate) struct RingStepper<'m> {
-    method: SemiImplicit<'m, false>,
+pub(crate) struct RingStepper<'m, const PLANAR: bool> {
+    method: SemiImplicit<'m, PLANAR>,
     kept: Vec<Node>,
 }
 
-impl<'m> RingStepper<'m> {
+impl<'m, const PLANAR: bool> RingStepper<'m, PLANAR> {
     /// Balls and cage at a state, which `y` holds alone.
-    pub(crate) fn new(dynamics: &'m Full, time: f64, y: &[f64], ring: SpindleState) -> Self {
+    pub(crate) fn new(dynamics: &'m Dynamics<PLANAR>, time: f64, y: &[f64], ring: SpindleState) -> Self {
         let layout = dynamics.mechanism().layout;
         let mut state = y.to_vec();
         state.resize(layout.dimension(), 0.0);
@@ -140,9 +140,19 @@ impl<'m> RingStepper<'m> {
         self.method.loads()
     }
 
-    /// The newest state of balls and cage.
-    pub(crate) fn state(&self) -> &[f64] {
-        self.method.newest_state()
+    /// Deviation of the velocity along the arc from ideal rolling [m/s], of the cage or, without one, of the balls in the mean.
+    pub(crate) fn arc_velocity(&self) -> f64 {
+        let (layout, state) = (self.method.dynamics().mechanism().layout, self.method.newest_state());
+        match layout.cage {
+            true => layout.cage(state).arc_velocity,
+            false => (0..layout.balls).map(|ball| layout.ball(state, ball).arc_velocity).sum::<f64>() / layout.balls as f64,
+        }
+    }
+
+    /// Deviations of a ball from ideal rolling: velocity along the arc [m/s] and spin [rad/s].
+    pub(crate) fn ball_turns(&self, ball: usize) -> (f64, Vector) {
+        let ball = self.method.dynamics().mechanism().layout.ball(self.method.newest_state(), ball);
+        (ball.arc_velocity, ball.spin)
     }
 
     /// A ball that touches its neighbour, where there is no cage.
@@ -152,12 +162,12 @@ impl<'m> RingStepper<'m> {
 }
 
 /// One step, compiled for each instruction set.
-struct Advance<'a, 'm> {
-    stepper: &'a mut SemiImplicit<'m, false>,
+struct Advance<'a, 'm, const PLANAR: bool> {
+    stepper: &'a mut SemiImplicit<'m, PLANAR>,
     rings: Rings,
 }
 
-impl Task for Advance<'_, '_> {
+impl<const PLANAR: bool> Task for Advance<'_, '_, PLANAR> {
     type Answer = [(RingLoad, RingResistance); 2];
 
     #[inline(always)]

@@ -12,36 +12,12 @@ use super::stepping::{Change, Formulas, Node, eliminate};
 use crate::numerics::lanes::{LANES, Singles, Task};
 use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::bearing::PerRaceway;
+use crate::simulation::model::ring_motion::{BallSeen, LoadOnRing, RingMotion};
 
 /// Number of stored nodes: the formulas of balls and cage use three known ones.
 const NODES: usize = 4;
 /// Full number of known nodes.
 const KNOWN: usize = NODES - 1;
-
-/// Motion of the inner ring along Y and Z: place [m], velocity [m/s], acceleration [m/s²].
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct RingMotion {
-    pub place: [f64; 2],
-    pub velocity: [f64; 2],
-    pub acceleration: [f64; 2],
-}
-
-/// Load of the balls on the inner ring.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct LoadOnRing {
-    /// Along Y and Z [N].
-    pub force: [f64; 2],
-    /// Decrease of the force over the ring's acceleration [kg], with the place and the velocity that follow it: yy, yz, zz.
-    pub slope: [f64; 3],
-}
-
-/// Loads and slip of a ball.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct BallSeen {
-    pub load: PerRaceway<f64>,
-    pub slip: PerRaceway<f64>,
-    pub pocket: f64,
-}
 
 /// Balls and cage in fixed steps, driven by whoever moves the ring.
 pub(crate) struct CondensedOnRing<'m> {

@@ -443,6 +443,71 @@ impl Task for OnWaves<'_> {
 }
 
 impl SpindleOnly {
+    /// The sum of a residual and that of the balls.
+    #[inline(always)]
+    fn with_balls(
+        &self,
+        of_spindle: Defect,
+        driven: &Driven,
+        motion: &SpindleMotion,
+        acceleration: [f64; 2],
+        shares: Shares,
+    ) -> Defect {
+        if !self.is_even {
+            let waves = self.waves.as_ref();
+            let on = OnWaves { model: self, waves, driven: *driven, motion: *motion, acceleration, shares };
+            return of_spindle.and(&self.on_waves(on));
+        }
+        let ideal = Heights::default();
+        // The first group stands outside the loop, where the compiler keeps the common constants in registers.
+        let first = self.group::<false>(&self.first, driven, motion, acceleration, shares, &ideal);
+        let mut all = of_spindle.and(&first);
+        for group in &self.others {
+            all = all.and(&self.group::<false>(group, driven, motion, acceleration, shares, &ideal));
+        }
+        all
+    }
+
+    /// Residual of the balls alone at a time [s], for a ring that a shaft moves.
+    #[inline(always)]
+    pub(crate) fn of_balls(
+        &self,
+        time: f64,
+        motion: &SpindleMotion,
+        acceleration: [f64; 2],
+        shares: Shares,
+    ) -> Defect {
+        let nothing = Defect { force: [0.0; 2], slope: [0.0; 3] };
+        self.with_balls(nothing, &self.drive(time), motion, acceleration, shares)
+    }
+
+    /// Elastic loads of a ball on its raceways [N] at a time [s] and a place of the ring [m].
+    pub(crate) fn loads_of_ball(&self, ball: usize, time: f64, place: [f64; 2]) -> PerRaceway<f64> {
+        let driven = self.drive(time);
+        let (at, lane) = (ball / LANES, ball % LANES);
+        let group = if at == 0 { &self.first } else { &self.others[at - 1] };
+        let c = group.cosine[lane] * driven.cosine - group.sine[lane] * driven.sine;
+        let s = group.sine[lane] * driven.cosine + group.cosine[lane] * driven.sine;
+        let [y, z] = place;
+        let (radial, tangential) = (y * c + z * s, z * c - y * s);
+        let on = OnWaves {
+            model: self,
+            waves: self.waves.as_ref(),
+            driven,
+            motion: (place, [0.0; 2]),
+            acceleration: [0.0; 2],
+            shares: Shares::default(),
+        };
+        let still = PerRaceway { inner: 0.0, outer: 0.0 };
+        let raised = on.heights(group).at(lane).lifts(still, still, 0.0);
+        let approach = self.centred + radial - 0.5 * self.curvature * tangential * tangential
+            + group.oversize[lane]
+            + raised.inner.height
+            + raised.outer.height;
+        let inner = self.contact.load(approach, &self.unloaded).load;
+        PerRaceway { inner, outer: inner + self.unloaded.force }
+    }
+
     /// Load of balls on wavy raceways. A call of its own: scenes with ideal circles keep their loops as they are.
     #[cold]
     #[inline(never)]
@@ -471,25 +536,7 @@ impl EquationsOfMotion for SpindleOnly {
         let [ay, az] = acceleration;
         let force = [driven.force[0] - self.mass * ay, driven.force[1] - self.mass * az];
         let slope = [self.mass, 0.0, self.mass];
-        if !self.is_even {
-            let waves = self.waves.as_ref();
-            let on = OnWaves { model: self, waves, driven: *driven, motion: *motion, acceleration, shares };
-            return Defect { force, slope }.and(&self.on_waves(on));
-        }
-        let ideal = Heights::default();
-        // The first group stands outside the loop, where the compiler keeps the common constants in registers.
-        let mut all = Defect { force, slope }.and(&self.group::<false>(
-            &self.first,
-            driven,
-            motion,
-            acceleration,
-            shares,
-            &ideal,
-        ));
-        for group in &self.others {
-            all = all.and(&self.group::<false>(group, driven, motion, acceleration, shares, &ideal));
-        }
-        all
+        self.with_balls(Defect { force, slope }, driven, motion, acceleration, shares)
     }
 }
 

@@ -5,6 +5,8 @@ mod applicability;
 
 pub(crate) mod equations;
 
+pub(crate) mod on_ring;
+
 mod scene_model;
 
 mod recording;
@@ -14,4 +16,4 @@ mod run;
 pub use applicability::inapplicability;
 pub(crate) use recording::{recording, statistics};
 pub use run::simulate;
-pub(crate) use scene_model::scene_model;
+pub(crate) use scene_model::{scene_model, turned_model};

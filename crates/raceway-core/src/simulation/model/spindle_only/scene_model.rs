@@ -21,12 +21,24 @@ pub(crate) fn scene_model(
     if let Some(reason) = inapplicability(scene, &needs, &settings.outputs) {
         return Err(SimulationError::NotApplicable { rung, reason });
     }
-    let mut ideal = Mechanism::new(scene, &needs);
+    let mechanism = mechanism(scene, &needs);
+    Ok((equations(scene, &mechanism), mechanism))
+}
+
+/// The equations of a scene that they can represent, with all balls starting farther by an angle [rad].
+pub(crate) fn turned_model(scene: &Scene, outputs: &Outputs, by: f64) -> Result<SpindleOnly, SimulationError> {
+    let mut mechanism = mechanism(scene, &ActiveTerms::of(scene, outputs, Some(ModelLevel::Full))?);
+    mechanism.start = mechanism.start.turned(by);
+    Ok(equations(scene, &mechanism))
+}
+
+fn mechanism(scene: &Scene, needs: &ActiveTerms) -> Mechanism {
+    let mut ideal = Mechanism::new(scene, needs);
     // Heights by longitude are those of balls in their plane.
     ideal.layout.planar |= scene.surfaces.have_uneven_balls();
-    let mechanism = with_surfaces(ideal, scene);
-    Ok((
-        SpindleOnly::new(&mechanism, scene.raceway_damping.resolve().chi, mechanism.orbit_ratio, Corrections::ALL),
-        mechanism,
-    ))
+    with_surfaces(ideal, scene)
+}
+
+fn equations(scene: &Scene, mechanism: &Mechanism) -> SpindleOnly {
+    SpindleOnly::new(mechanism, scene.raceway_damping.resolve().chi, mechanism.orbit_ratio, Corrections::ALL)
 }
