@@ -11,6 +11,7 @@ pub mod spectrum_view;
 pub mod views;
 
 pub mod machine;
+pub mod measured;
 pub mod optimum;
 pub mod orders;
 pub mod ross;
