@@ -47,8 +47,7 @@ function dialect(lines) {
 
 function csv(text) {
   const lines = text.replace(/^\ufeff/, '').split(/\r\n|\n|\r/);
-  // The last lines of a sample have no heading.
-  const sample = lines.filter((line) => line.trim()).slice(0, 200).slice(-100).filter((line) => /\d/.test(line)).slice(-20);
+  const sample = lines.slice(0, 300).filter((line) => /^\s*"?[+-]?\.?\d/.test(line)).slice(-20);
   const { separator, comma } = dialect(sample);
   const cells = (line) => line.split(separator).map((cell) => cell.trim().replace(/^"(.*)"$/, '$1'));
   const numberOf = (cell) => {
@@ -250,7 +249,7 @@ function dataset(lines, binary, number) {
   const values = binary ? binaryValues(lines, binary, count, isDouble) : asciiValues(lines, count);
   if (values.length < count) throw new Error(`Dataset ${number} of the UFF file has ${values.length} of ${count} values.`);
   // Ordinate: type, three exponents, label and unit.
-  const [label, units] = [head[8].slice(25, 45).trim(), head[8].slice(46, 66).trim()];
+  const [label, units] = [head[8].slice(26, 46).trim(), head[8].slice(47, 67).trim()];
   const name = [label, head[0].trim()].find((text) => text && text !== 'NONE') ?? `record ${number}`;
   return { name, values, rate_hz: 1 / step, unit: unitIn(units) };
 }
