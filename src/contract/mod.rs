@@ -13,7 +13,8 @@ pub(crate) mod json;
 
 pub use answer::failure::RunFailure;
 pub use answer::machine::{MachineAnswer, MachineOutcome};
-pub use answer::measured::{MeasuredAnswer, Prediction};
+pub use answer::measured::MeasuredAnswer;
+pub use answer::measured_comparison::Prediction;
 pub use answer::metrics::{ChannelAnswer, LineAnswer, Metrics};
 pub use answer::optimum::OptimumAnswer;
 pub use answer::point::{PointEnd, PointStatus};

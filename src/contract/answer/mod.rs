@@ -12,6 +12,7 @@ pub mod views;
 
 pub mod machine;
 pub mod measured;
+pub mod measured_comparison;
 pub mod optimum;
 pub mod orders;
 pub mod ross;
