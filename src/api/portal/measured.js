@@ -223,15 +223,18 @@ export class MeasuredPanel {
           number(line.over_floor_db, 3),
         ]),
       ),
-      others.length > 0 &&
-        h(
-          'p',
-          { class: 'note' },
-          `Strongest measured lines that were not predicted, by order: ${others
-            .slice(0, 10)
-            .map((line) => number(line.frequency_hz / speed, 5))
-            .join(', ')}.`,
-        ),
+      ...(others.length > 0
+        ? [
+            h(
+              'p',
+              { class: 'note' },
+              `Strongest measured lines that were not predicted, by order: ${others
+                .slice(0, 10)
+                .map((line) => number(line.frequency_hz / speed, 5))
+                .join(', ')}.`,
+            ),
+          ]
+        : []),
     );
   }
 
