@@ -84,10 +84,11 @@ mod tests {
         places.map(|k| (resampler.at(k as f64 * RATE / rate) - expected(k)).abs()).fold(0.0, f64::max)
     }
 
+    /// Ripple of the pass band and the image beyond the stop band are 10⁻⁴ each.
     #[test]
     fn tones_of_the_pass_band_are_kept() {
         for (frequency, rate) in [(5000.0, 102_400.0), (19_500.0, 102_400.0), (4000.0, 10_000.0), (137.0, 50_000.0)] {
-            assert!(deviation(frequency, rate) < 1e-4, "{frequency} Hz at {rate} Hz: {}", deviation(frequency, rate));
+            assert!(deviation(frequency, rate) < 2e-4, "{frequency} Hz at {rate} Hz: {}", deviation(frequency, rate));
         }
     }
 
