@@ -20,6 +20,7 @@ ANSWERS = {
     "Metrics": "`GET /v1/jobs/{id}/metrics`, and `metrics` of a finished job",
     "OrdersAnswer": "`GET /v1/jobs/{id}/orders`",
     "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
+    "MeasurementComparison": "`POST /v1/jobs/{id}/comparison`",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
     "MachineJobAnswer": "`GET /v1/jobs/{id}/machine`",
     "CatalogueAnswer": "`GET /v1/catalogue`",

@@ -29,7 +29,7 @@ use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
 use super::{conditional, error_layers, plots, portal, scenes};
 use crate::contract::answer::signals::SpectrumScaling;
 use crate::contract::{
-    SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
+    Measurement, SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
     parse_scene_request,
 };
 
@@ -90,6 +90,7 @@ fn router() -> Router {
         .route("/v1/jobs/{id}/plots/{file}", get(plot))
         .route("/v1/jobs/{id}/table", get(table))
         .route("/v1/jobs/{id}/rotor.py", get(rotor_script))
+        .route("/v1/jobs/{id}/comparison", post(comparison))
         .route("/v1/rotor", post(rotor))
         .route("/v1/series", get(without_job).post(upload_series))
         .route("/v1/series/{hash}", get(uploaded).delete(uploaded))
@@ -143,6 +144,17 @@ async fn resolve(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody
 async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     parse_rotor_request(&body, &Uploads::stand_in())?;
+    Ok(StatusCode::OK.into_response())
+}
+
+async fn comparison(
+    headers: HeaderMap,
+    _: JobId,
+    _: Query<NoQuery>,
+    JsonBody(body): JsonBody,
+) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    Measurement::read(&body, &Uploads::stand_in())?;
     Ok(StatusCode::OK.into_response())
 }
 

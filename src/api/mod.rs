@@ -42,6 +42,7 @@ mod stored_answer;
 mod submission_headers;
 
 mod batch;
+mod comparison;
 mod events;
 mod health;
 mod jobs;

@@ -152,6 +152,10 @@ problems! {
         ],
         "410" JobExpired: "The job has expired; `job` has its last state" => [expired()],
     }
+    NoComparison {
+        "404" UnknownJob: "There is no such job, or it belongs to another owner" => [UnknownJob],
+        "410" ComparisonExpired: "The job has expired, and `job` has its last state; or a series has expired" => [expired(), expired_series()],
+    }
     NoPlot {
         "404" UnknownPlot: "There is no such job, or it has no such plot; `detail` lists its plots" => [
             UnknownJob,

@@ -34,7 +34,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 36] = files! {
+static FILES: [File; 39] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -51,6 +51,9 @@ static FILES: [File; 36] = files! {
     "jobs.js": SCRIPT,
     "machine.js": SCRIPT,
     "main.js": SCRIPT,
+    "measured.js": SCRIPT,
+    "measured-files.js": SCRIPT,
+    "measured-spectrum.js": SCRIPT,
     "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
     "plots.js": SCRIPT,

@@ -21,8 +21,8 @@ use super::app::App;
 use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
-    auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders, plots, portal,
-    request, request_id, results, rotor, scenes, studies, uploaded_series,
+    auth, batch, comparison, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders,
+    plots, portal, request, request_id, results, rotor, scenes, studies, uploaded_series,
 };
 
 /// Every documented route.
@@ -35,6 +35,7 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(studies::resume))
         .routes(routes!(events::events))
         .merge(result_routes(app))
+        .routes(routes!(comparison::compare))
         .routes(routes!(scenes::resolve))
         .routes(routes!(scenes::presets))
         .routes(routes!(scenes::catalogue))

@@ -7,6 +7,7 @@ mod server;
 
 mod access;
 mod accuracy;
+mod comparison;
 mod job_events;
 mod jobs;
 mod jobs_cancel;

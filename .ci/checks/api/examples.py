@@ -4,6 +4,7 @@
     .ci/checks/api/examples.py > src/api/examples.json"""
 
 import json
+import math
 import os
 import sys
 
@@ -76,6 +77,10 @@ def recorded(running):
     examples["getSpectrum"] = {"200": answer("GET", f"{path}/spectrum?channel=spindle.y.acceleration&max_frequency_hz=20")}
     examples["getBands"] = {"200": answer("GET", f"{path}/bands?edges_hz=300,1800,10000")}
     examples["getSeries"] = {"200": answer("GET", f"{path}/series?channel=spindle.y.displacement&max_points=4")}
+    # A signal of its own: a measured record of 0.25 s with the line BPFO.
+    tone = [math.sin(2 * math.pi * 358.5 * k / 51200) for k in range(12800)]
+    measured = {"series": answer("POST", "/v1/series", {"rate_hz": 51200, "values": tone})["hash"], "unit": "g", "speed_rpm": 5990, "gain": 0.5}
+    examples["compareMeasurement"] = {"200": answer("POST", f"{path}/comparison", measured)}
     run_up = running.submit(RUN_UP)[0]
     running.ended(run_up)
     examples["getOrders"] = {"200": answer("GET", f"{run_up}/orders")}

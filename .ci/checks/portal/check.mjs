@@ -12,6 +12,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
+import * as measured from './measured.mjs';
 
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const PICTURES = process.env.SCREENSHOTS;
@@ -799,6 +800,7 @@ async function withToken(browser) {
 assert.ok(process.env.RACEWAY, 'RACEWAY names the binary');
 if (PICTURES) mkdirSync(PICTURES, { recursive: true });
 await alone();
+await measured.alone();
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ARGUMENTS });
 try {
   const service = process.env.PORTAL_URL ? { url: process.env.PORTAL_URL, stop: () => {} } : await serve();
@@ -810,6 +812,7 @@ try {
   );
   await page.goto(service.url);
   await fromPresetToPlot(page);
+  await measured.onResult(page, ok);
   await reloadAndKeys(page);
   const plain = new URL(page.url());
   await orbitAndRest(page);

@@ -23,6 +23,8 @@
 
 /// A flexible shaft on ball bearings, in time. Unstable: internal to the service.
 pub mod machine;
+/// A measured signal beside a prediction: resampling, spectra, lines. Unstable: internal to the service.
+pub mod measured;
 /// Mathematics: integrators, spectra, special functions. Knows no bearing. Unstable: internal to the service.
 pub mod numerics;
 /// Signals at a varying speed: order spectra, order tracks, waterfalls. Unstable: internal to the service.

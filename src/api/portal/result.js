@@ -5,6 +5,7 @@ import { h, small } from './dom.js';
 import { keep } from './download.js';
 import { moment, title, words } from './format.js';
 import { MachineView } from './machine.js';
+import { MeasuredPanel } from './measured.js';
 import { summary, tables } from './metrics.js';
 import { picture } from './plots.js';
 import { Views } from './views.js';
@@ -125,6 +126,10 @@ export class Result {
   async #machine(job, signal) {
     this.machine ??= new MachineView({ say: this.say });
     await this.machine.show(this.body, job, signal);
+    if (signal.aborted) return;
+    const { answer, channels } = this.machine;
+    const [bearing] = Object.values(answer.bearings);
+    this.#measured(job, answer.lines, bearing?.shaft_hz, channels);
   }
 
   async #results(job, signal) {
@@ -133,6 +138,15 @@ export class Result {
     if (signal.aborted) return;
     this.body.replaceChildren(...[summary(metrics), this.views.element, tables(metrics)].flat().filter(Boolean));
     await this.views.show(job, metrics);
+    if (signal.aborted) return;
+    this.#measured(job, metrics.lines, metrics.frequencies_hz.shaft, this.views.channels);
+  }
+
+  /** The panel for a measured file, below the results. */
+  #measured(job, lines = [], speed_hz = 0, channels = []) {
+    this.measured ??= new MeasuredPanel();
+    this.body.append(this.measured.element);
+    this.measured.show({ job, lines, speed_hz, channels });
   }
 }
 

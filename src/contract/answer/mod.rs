@@ -11,6 +11,8 @@ pub mod spectrum_view;
 pub mod views;
 
 pub mod machine;
+pub mod measured;
+pub mod measured_comparison;
 pub mod optimum;
 pub mod orders;
 pub mod ross;

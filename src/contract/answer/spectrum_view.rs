@@ -25,7 +25,7 @@ pub enum SpectrumQuantity {
 impl SpectrumQuantity {
     const ALL: [Self; 3] = [Self::Displacement, Self::Velocity, Self::Acceleration];
 
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         ["displacement", "velocity", "acceleration"][self as usize]
     }
 
@@ -35,7 +35,7 @@ impl SpectrumQuantity {
     }
 
     /// The motion of a channel; `None` of forces, speeds and angles.
-    fn of(channel: &str) -> Option<Self> {
+    pub(super) fn of(channel: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|quantity| channel.ends_with(&format!(".{}", quantity.name())))
     }
 }
@@ -152,7 +152,8 @@ impl SpectrumAnswer {
         })
     }
 
-    fn band(&self, from: f64, to: f64) -> SpectrumBandAnswer {
+    /// Vibration from a frequency up to another one [Hz].
+    pub(super) fn band(&self, from: f64, to: f64) -> SpectrumBandAnswer {
         let [mut acceleration, mut velocity, mut at_ends] = [0.0; 3];
         let bins = self.frequency_hz.iter().zip(&self.amplitude).filter(|(f, _)| (from..to).contains(*f));
         for (frequency, amplitude) in bins {

@@ -1,5 +1,6 @@
 //! A checked job of any kind.
 
+use raceway_core::numerics::spectrum::EnvelopeAnalysis;
 use raceway_core::simulation::input::scene::Scene;
 use serde_json::Value;
 
@@ -141,6 +142,15 @@ impl Job {
         match self {
             Self::Simulation(run) => Some(RecordedTurns::of(run.scene(), run.settings.settle, run.settings.duration)),
             Self::Machine(run) => Some(RecordedTurns::of_machine(&run.machine, start, run.settings.duration)),
+            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
+        }
+    }
+
+    /// The analysed envelope of a run with spectra.
+    pub fn envelope(&self) -> Option<EnvelopeAnalysis> {
+        match self {
+            Self::Simulation(run) => Some(run.settings.outputs.envelope),
+            Self::Machine(run) => Some(run.settings.envelope),
             Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
         }
     }

@@ -24,6 +24,7 @@ pub mod input;
 pub mod kind;
 
 pub mod axis;
+pub mod measurement;
 pub mod orders;
 pub mod outputs;
 pub mod recorded_turns;

@@ -9,6 +9,7 @@ use super::orders::{DEFAULT_CHANNEL, OrdersInput};
 use super::recorded_turns::turning_channels;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers;
+use crate::contract::json::problem::FieldError;
 use crate::contract::json::shapes::optional_object;
 use raceway_core::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind};
 use raceway_core::physics::spindle::{AxialHold, SpindleTilt};
@@ -147,22 +148,29 @@ pub(super) fn envelope(
 
 /// Edges of the bands of accelerations [Hz]. The usual ones are not written into the request, so that results of earlier builds are reused.
 pub(super) fn band_edges(defaults: &mut Defaults, field: &Option<Vec<f64>>) -> Vec<f64> {
-    const POINTER: &str = "/outputs/bands_hz";
     let Some(edges) = field else { return BAND_EDGES.to_vec() };
+    defaults.errors.extend(band_edge_errors("/outputs/bands_hz", edges));
+    edges.clone()
+}
+
+/// Errors of the edges of bands [Hz] in the field at a pointer.
+pub(super) fn band_edge_errors(pointer: &str, edges: &[f64]) -> Vec<FieldError> {
+    let mut errors = Vec::new();
     if !(MIN_BAND_EDGES..=MAX_BAND_EDGES).contains(&edges.len()) {
         let detail = format!("{} edges: must be {MIN_BAND_EDGES} to {MAX_BAND_EDGES}", edges.len());
-        defaults.refuse(POINTER, detail);
+        errors.push(FieldError::new(pointer, detail));
     }
     let [low, high] = BAND_EDGE_LIMITS;
     for (index, edge) in edges.iter().enumerate() {
-        let pointer = format!("{POINTER}/{index}");
+        let pointer = format!("{pointer}/{index}");
         if !(low..=high).contains(edge) {
-            defaults.refuse(pointer, numbers::out_of_range(*edge, low, high, false, "Hz"));
+            errors.push(FieldError::new(pointer, numbers::out_of_range(*edge, low, high, false, "Hz")));
         } else if index > 0 && edges[index - 1] >= *edge {
-            defaults.refuse(pointer, format!("{edge} Hz is not above {} Hz: edges rise", edges[index - 1]));
+            let detail = format!("{edge} Hz is not above {} Hz: edges rise", edges[index - 1]);
+            errors.push(FieldError::new(pointer, detail));
         }
     }
-    edges.clone()
+    errors
 }
 
 /// The band whose envelope is analysed [Hz].

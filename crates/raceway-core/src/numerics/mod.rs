@@ -16,6 +16,7 @@ pub mod parallel;
 pub(crate) mod periodic;
 pub(crate) mod quadratic_eigen;
 pub(crate) mod random;
+pub(crate) mod resampling;
 pub mod roots;
 pub mod rounding;
 pub(crate) mod special;

@@ -125,16 +125,7 @@ impl LineSources<'_> {
 /// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %, or
 /// the whirl of cage or spindle within this distance.
 pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest: f64) -> Vec<Line> {
-    let amplitude = &spectrum.amplitude;
-    // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
-    let end = amplitude.len().saturating_sub(LOBE);
-    let in_band = || (LOBE..end).take_while(|&bin| bin as f64 * spectrum.resolution <= highest);
-    let strongest = in_band().map(|bin| amplitude[bin]).fold(0.0, f64::max);
-    let mut bins: Vec<usize> = in_band()
-        .filter(|&bin| amplitude[bin] > LEAST_SHARE * strongest && is_local_maximum(amplitude, bin))
-        .filter(|&bin| amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin))
-        .collect();
-    bins.sort_by(|&a, &b| amplitude[b].total_cmp(&amplitude[a]));
+    let bins = line_bins(spectrum, highest);
     let mut lines: Vec<Line> = bins
         .into_iter()
         // Interpolation raises a line by at most 18 %; a few more are kept until their order is known.
@@ -150,6 +141,21 @@ pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest
     lines
 }
 
+/// Bins of the lines of a spectrum up to `highest` [Hz], strongest first: local maxima above the local floor.
+pub(crate) fn line_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
+    let amplitude = &spectrum.amplitude;
+    // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
+    let end = amplitude.len().saturating_sub(LOBE);
+    let in_band = || (LOBE..end).take_while(|&bin| bin as f64 * spectrum.resolution <= highest);
+    let strongest = in_band().map(|bin| amplitude[bin]).fold(0.0, f64::max);
+    let mut bins: Vec<usize> = in_band()
+        .filter(|&bin| amplitude[bin] > LEAST_SHARE * strongest && is_local_maximum(amplitude, bin))
+        .filter(|&bin| amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin))
+        .collect();
+    bins.sort_by(|&a, &b| amplitude[b].total_cmp(&amplitude[a]));
+    bins
+}
+
 fn is_local_maximum(amplitude: &[f64], bin: usize) -> bool {
     let at = amplitude[bin];
     // The first of two equal neighbours is the maximum.
@@ -158,7 +164,7 @@ fn is_local_maximum(amplitude: &[f64], bin: usize) -> bool {
 
 /// Median of the entries around a bin, without its main lobe and without other lines. In a comb of lines, a median of all entries would
 /// be one of the lines.
-fn floor(amplitude: &[f64], bin: usize) -> f64 {
+pub(crate) fn floor(amplitude: &[f64], bin: usize) -> f64 {
     let from = bin.saturating_sub(FLOOR_REACH);
     let to = (bin + FLOOR_REACH + 1).min(amplitude.len());
     let mut around: Vec<f64> = (from..to).filter(|other| other.abs_diff(bin) > LOBE).map(|i| amplitude[i]).collect();

@@ -1,0 +1,123 @@
+//! Signals whose lines are known.
+
+use std::f64::consts::TAU;
+
+use super::lines::{MeasuredLine, PredictedLine, lines_of, partners};
+use super::record::{Division, Record, Turning};
+use super::tachometer::{Tachometer, middle, pulses_of};
+use crate::simulation::input::settings::ENVELOPE;
+use crate::simulation::recording::sampling::RATE;
+
+const SPEED: f64 = 50.0;
+const ORDERS: [f64; 3] = [1.0, 3.585, 7.17];
+
+/// Tones at three orders of a shaft that turns at `speed` [Hz].
+fn bearing(rate: f64, speed: f64, duration: f64) -> Vec<f64> {
+    let at = |time: f64| ORDERS.iter().map(|order| (TAU * order * speed * time + order).sin() / order).sum();
+    (0..(duration * rate) as usize).map(|k| at(k as f64 / rate)).collect()
+}
+
+fn orders(values: &[f64], rate: f64, turning: Turning) -> Vec<(f64, f64)> {
+    let record = Record { values, rate, turning };
+    let division = Division::of(1.0, 4, Some(ENVELOPE));
+    let spectra = record.spectra(&division, &|| false).expect("a window");
+    let mut found: Vec<(f64, f64)> = lines_of(&spectra.amplitude, record.highest_frequency())
+        .iter()
+        .map(|line| (line.frequency / record.turning.speed(), line.amplitude))
+        .collect();
+    found.truncate(3);
+    found.sort_by(|one, other| one.0.total_cmp(&other.0));
+    found
+}
+
+fn worst(found: &[(f64, f64)], shift: f64) -> (f64, f64) {
+    let pairs = found.iter().zip(ORDERS);
+    pairs.fold((0.0, 0.0), |(order, amplitude): (f64, f64), (line, expected)| {
+        (order.max((line.0 / (shift * expected) - 1.0).abs()), amplitude.max((line.1 * expected - 1.0).abs()))
+    })
+}
+
+#[test]
+fn lines_have_the_orders_of_the_measured_shaft_at_any_rate() {
+    for rate in [RATE, 48_828.0, 12_000.0, 200_000.0] {
+        let found = orders(&bearing(rate, SPEED, 2.1), rate, Turning::Even(SPEED));
+        let (order, amplitude) = worst(&found, 1.0);
+        assert!(found.len() == 3 && order < 1e-4 && amplitude < 1e-3, "{rate} Hz: {found:?}");
+    }
+}
+
+/// A record that runs 1 % faster: with its tachometer the orders are the same, with the nominal speed they are off by 1 %.
+#[test]
+fn a_tachometer_takes_a_stretched_time_back() {
+    let fast = 1.01 * SPEED;
+    let values = bearing(48_828.0, fast, 2.5);
+    let pulses = (0..120).map(|k| 0.01 + f64::from(k) / fast).collect();
+    let found = orders(&values, 48_828.0, Turning::Pulses(Tachometer::new(pulses, 1).unwrap()));
+    assert!(worst(&found, 1.0).0 < 1e-4, "{found:?}");
+    let found = orders(&values, 48_828.0, Turning::Even(SPEED));
+    assert!(worst(&found, 1.01).0 < 1e-4, "{found:?}");
+}
+
+/// A shaft that runs up from 45 to 55 Hz in 2 s: in angle its lines do not smear.
+#[test]
+fn a_run_up_is_resampled_by_angle() {
+    let rate = 48_828.0;
+    let turns = |time: f64| 45.0 * time + 2.5 * time * time;
+    let values: Vec<f64> = (0..(2.0 * rate) as usize)
+        .map(|k| ORDERS.iter().map(|order| (TAU * order * turns(k as f64 / rate)).sin() / order).sum())
+        .collect();
+    // 45 t + 2.5 t² = n.
+    let pulses = (0..=100).map(|n| (-45.0 + (2025.0 + 10.0 * f64::from(n)).sqrt()) / 5.0).collect();
+    let tachometer = Tachometer::new(pulses, 1).unwrap();
+    assert!((tachometer.mean_speed() - 50.0).abs() < 1e-9 && (tachometer.lowest_speed() - 45.0).abs() < 0.1);
+    let record = Record { values: &values, rate, turning: Turning::Pulses(tachometer.clone()) };
+    assert!((record.highest_frequency() / (0.4 * rate * 0.9) - 1.0).abs() < 2e-3);
+    let found = orders(&values, rate, Turning::Pulses(tachometer));
+    let (order, amplitude) = worst(&found, 1.0);
+    assert!(order < 1e-4 && amplitude < 2e-3, "{found:?}");
+    let plain = orders(&values, rate, Turning::Even(50.0));
+    assert!(plain.iter().all(|line| line.1 < 0.9), "without it they do: {plain:?}");
+}
+
+#[test]
+fn windows_are_those_of_the_prediction() {
+    let values = bearing(RATE, SPEED, 2.5);
+    let record = Record { values: &values, rate: RATE, turning: Turning::Even(SPEED) };
+    let division = |resolution, count| Division::of(resolution, count, None);
+    assert_eq!(record.windows(&division(1.0, 9)), 2);
+    assert_eq!(record.windows(&division(10.0, 9)), 9);
+    assert_eq!(record.windows(&division(0.3, 9)), 0);
+    let spectra = record.spectra(&division(10.0, 3), &|| false).unwrap();
+    assert_eq!((spectra.amplitude.averages, spectra.envelope), (3, None));
+    assert!((spectra.amplitude.resolution - 10.0).abs() < 1e-12);
+    assert_eq!(record.spectra(&division(0.3, 9), &|| false), None);
+    assert_eq!(record.spectra(&division(1.0, 1), &|| true), None);
+}
+
+/// 60 pulses a turn with noise at their edges.
+#[test]
+fn pulses_are_counted_once() {
+    let rate = 20_000.0;
+    let signal: Vec<f64> = (0..20_000)
+        .map(|k| (TAU * 60.0 * 5.0 * f64::from(k) / rate).sin().signum() + 0.05 * f64::from(k * 7919 % 13 - 6) / 6.0)
+        .collect();
+    let pulses = pulses_of(&signal, rate, middle(&signal));
+    assert!((299..=301).contains(&pulses.len()), "{}", pulses.len());
+    let tachometer = Tachometer::new(pulses, 60).unwrap();
+    assert!((tachometer.mean_speed() - 5.0).abs() < 0.01);
+    assert!(Tachometer::new(vec![0.0, 1.0], 1).is_none() && Tachometer::new(vec![0.0, 1.0, 1.0], 1).is_none());
+    assert!(pulses_of(&[], rate, 0.0).is_empty() && pulses_of(&[1.0; 9], rate, 1.0).is_empty());
+}
+
+#[test]
+fn predicted_lines_find_their_partners() {
+    let predicted = [(1.0, 0.1), (4.0, 1.0), (4.2, 0.5), (9.0, 0.2)];
+    let predicted = predicted.map(|(order, amplitude)| PredictedLine { order, amplitude });
+    let line = |order: f64, amplitude| MeasuredLine { frequency: order * SPEED, amplitude, over_floor: None };
+    // Strongest first: a line of the rig, the first two shifted by 1 %, and a weak one nearer to the first.
+    let measured = [line(6.0, 9.0), line(3.96, 2.0), line(4.158, 1.0), line(4.01, 0.1), line(1.03, 0.1)];
+    assert_eq!(partners(&predicted, &measured, SPEED, 0.5), [None, Some(1), Some(2), None]);
+    // Wide bins find the shaft, too.
+    assert_eq!(partners(&predicted, &measured, SPEED, 1.1)[0], Some(4));
+    assert!(partners(&[], &measured, SPEED, 1.0).is_empty());
+}
