@@ -291,6 +291,7 @@ impl Instant<'_> {
 mod tests {
     use super::*;
     use crate::numerics::random::SplitMix64;
+    use crate::physics::friction_reference::{Running, Supply};
     use crate::physics::presets;
     use crate::simulation::input::control::Control;
     use crate::simulation::input::model_level::ModelLevel;
@@ -331,8 +332,8 @@ mod tests {
         state
     }
 
-    /// At any state drives, loads and weights supply what is lost and the rise of the kinetic energy, to 1e-6 of the largest power: the quotient
-    /// of differences has no more digits.
+    /// At any state drives, loads and weights supply what is lost and the rise of the kinetic energy, to 1e-5 of the largest power: the
+    /// quotient of differences has no more digits.
     #[test]
     fn powers_are_the_rate_of_the_energy() {
         let with_land = |mut scene: Scene| {
@@ -383,8 +384,8 @@ mod tests {
         simulate(scene, &settings, &Control::until(&|| false)).unwrap().summary.friction.unwrap()
     }
 
-    /// Parts of the torque add up to that of the drives less what is stored, to 1e-3. Sliding and rolling stay within a factor of three of the
-    /// model of SKF where it applies, and grow with the load as they do there.
+    /// Parts of the torque add up to that of the drives less what is stored, to 1e-3. Beside the model of SKF the sum is 1.4 times smaller at 500 N and
+    /// 2.3 times at 1000 N; sliding and rolling grow with the load as they do there.
     #[test]
     fn torque_of_the_parts_is_that_of_the_drive() {
         let of = |load: f64| friction(&in_oil(scene("6205", 3e3, [0.0, load, 0.0])), 0.1);
@@ -397,8 +398,21 @@ mod tests {
             let PerRaceway { inner, outer } = torque.powers.mean.raceway;
             [inner.sliding + outer.sliding, inner.rolling + outer.rolling].map(|power| 1e3 * torque.of(power))
         };
-        println!("{:?} {:?}", parts(&light), light);
-        println!("{:?} {:?}", parts(&heavy), heavy);
+        for (torque, radial, least) in [(&light, 500.0, 0.5), (&heavy, 1000.0, 0.4)] {
+            // 13 mPa s at 900 kg/m³.
+            let running = Running {
+                bore: 25.0,
+                outside: 52.0,
+                static_rating: 7850.0,
+                radial,
+                axial: 0.0,
+                speed: 3000.0,
+                viscosity: 14.444,
+            };
+            let skf = running.skf("62", Supply::OilBath).unwrap();
+            let ratio = 1e3 * torque.of(torque.powers.mean.losses()) / (skf.rolling + skf.sliding);
+            assert!((least..1.0).contains(&ratio), "{radial} N: {ratio}");
+        }
         assert!(parts(&heavy)[0] > parts(&light)[0] && parts(&heavy)[1] > parts(&light)[1]);
     }
 
@@ -407,7 +421,6 @@ mod tests {
     fn torque_closes_on_planar_dynamics() {
         let torque = friction(&scene("article-integrated", 50e3, [0.0, 200.0, 0.0]), 0.05);
         let balance = &torque.powers;
-        println!("{torque:?}");
         assert!(balance.gap().abs() < 1e-3 * balance.mean.drive, "{balance:?}");
     }
 }
