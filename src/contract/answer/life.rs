@@ -162,7 +162,8 @@ fn notes(scene: &Scene, life: &RatingLife, input: &LifeInput) -> Vec<String> {
         });
     }
     note(input.makers.dynamic.is_none() && !table_applies(&scene.bearing), &|| {
-        "the grooves are wider than ISO 281 supposes: the rating is too high; give bearing.dynamic_load_rating_n".to_owned()
+        "the grooves are wider than ISO 281 supposes: the rating is too high; give bearing.dynamic_load_rating_n"
+            .to_owned()
     });
     note(scene.operation.varying_loads().is_some(), &|| {
         "loads vary: static numbers are those of the loads at the start".to_owned()

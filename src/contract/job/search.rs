@@ -240,7 +240,12 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
         ["contacts", "inner" | "outer", name] if OF_RACEWAY.contains(&name) => Some(MetricsPart::Contacts),
         [
             "life",
-            "basic_l10h" | "reference_l10h_static" | "reference_l10h_dynamic" | "equivalent_load_n" | "kappa" | "lambda"
+            "basic_l10h"
+            | "reference_l10h_static"
+            | "reference_l10h_dynamic"
+            | "equivalent_load_n"
+            | "kappa"
+            | "lambda"
             | "a_iso",
         ] => Some(MetricsPart::Life),
         [

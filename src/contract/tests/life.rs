@@ -8,7 +8,8 @@ use raceway_core::simulation::input::control::Control;
 
 /// The 6205 with the ratings of its maker under 500 N and 200 N, at a speed [r/min], with other fields of the scene.
 fn scene(bearing: Value, speed: f64, fields: Value) -> Value {
-    let mut bearing_fields = json!({"preset": "6205", "dynamic_load_rating_n": 14000, "static_load_rating_n": 7850, "f0": 13.9});
+    let mut bearing_fields =
+        json!({"preset": "6205", "dynamic_load_rating_n": 14000, "static_load_rating_n": 7850, "f0": 13.9});
     merge(&mut bearing_fields, bearing);
     let mut scene = json!({"bearing": bearing_fields, "gravity_m_s2": 0,
         "operation": {"speed_rpm": speed, "radial_load_y_n": 500, "axial_load_n": 200}});
@@ -89,7 +90,13 @@ fn fields_of_the_life_have_limits() {
     let Err(Refusal::Invalid { errors }) = parse_scene_request(request.to_string().as_bytes()) else { panic!() };
     let mut pointers: Vec<_> = errors.iter().map(|error| error.pointer.as_str()).collect();
     pointers.sort_unstable();
-    let expected = ["bearing/dynamic_load_rating_n", "bearing/f0", "bearing/fatigue_load_limit_n", "bearing/raceway_roughness_um", "contamination_factor"];
+    let expected = [
+        "bearing/dynamic_load_rating_n",
+        "bearing/f0",
+        "bearing/fatigue_load_limit_n",
+        "bearing/raceway_roughness_um",
+        "contamination_factor",
+    ];
     assert_eq!(pointers, expected.map(|field| format!("/scene/{field}")));
     assert!(errors.iter().any(|error| error.detail == "1.5: must be from 1e-6 to 1"), "{errors:?}");
 }
@@ -124,7 +131,8 @@ fn a_run_states_life_and_torque() {
     let job = parse_job(request.to_string().as_bytes()).unwrap();
     let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control::until(&|| false)) else { panic!("the run failed") };
     let metrics = serde_json::to_value(&outcome.metrics).unwrap();
-    let number = |pointer: &str| metrics.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"));
+    let number =
+        |pointer: &str| metrics.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"));
     let ratio = number("/life/reference_l10h_dynamic") / number("/life/reference_l10h_static");
     assert!((0.5..2.0).contains(&ratio), "{ratio}");
     let places = ["inner/sliding", "inner/rolling", "inner/normal", "outer/sliding", "outer/rolling", "outer/normal"];

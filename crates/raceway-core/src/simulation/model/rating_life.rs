@@ -79,8 +79,7 @@ pub fn rating_life(scene: &Scene, at_rest: &StaticLoads, input: &LifeInput) -> R
     let rotation = scene.operation.rotation();
     let mut means = LoadMeans::of_rings(rotation.inner.largest(), rotation.outer.largest());
     at_rest.raceway_loads.iter().for_each(|load| means.add(*load));
-    let reference_viscosity =
-        (speed > 0.0).then(|| reference_viscosity(bearing.parameters.pitch_diameter, speed));
+    let reference_viscosity = (speed > 0.0).then(|| reference_viscosity(bearing.parameters.pitch_diameter, speed));
     let viscosity = input.kinematic_viscosity.or_else(|| scene.lubricant.kinematic_viscosity());
     let viscosity_ratio = reference_viscosity.and_then(|reference| Some(viscosity? / reference));
     let over_load = || Some(input.contamination? * input.fatigue_limit? / equivalent?.load);
@@ -164,7 +163,10 @@ mod tests {
         let life = rating_life(&scene, &at_rest(&scene), &makers());
         let equivalent = life.equivalent.unwrap();
         assert!((equivalent.factors.limit - 0.2211).abs() < 5e-5 && (equivalent.factors.axial - 1.983).abs() < 5e-4);
-        assert!((equivalent.load - 676.5).abs() < 0.05 && (life.basic_hours.unwrap() - 49_236.0).abs() < 0.5, "{life:?}");
+        assert!(
+            (equivalent.load - 676.5).abs() < 0.05 && (life.basic_hours.unwrap() - 49_236.0).abs() < 0.5,
+            "{life:?}"
+        );
         // ISO 281: 4500 (3000 · 39.04)^−½
         assert_close("ν₁", life.reference_viscosity.unwrap(), 13.149, 1e-4);
         assert_close("κ", life.viscosity_ratio.unwrap(), 20.0 / 13.149, 1e-4);

@@ -60,7 +60,9 @@ impl Powers {
         [a, b, c, d, e, f, pockets, neighbours, land, drag, churning, drive, applied]
     }
 
-    fn of_entries([a, b, c, d, e, f, pockets, neighbours, land, drag, churning, drive, applied]: [f64; Self::COUNT]) -> Self {
+    fn of_entries(
+        [a, b, c, d, e, f, pockets, neighbours, land, drag, churning, drive, applied]: [f64; Self::COUNT],
+    ) -> Self {
         let one = |sliding, rolling, normal| RacewayPowers { sliding, rolling, normal };
         let raceway = PerRaceway { inner: one(a, b, c), outer: one(d, e, f) };
         Self { raceway, pockets, neighbours, land, drag, churning, drive, applied }
@@ -125,7 +127,9 @@ mod tests {
         recorder.add(2.0, &at(3.0), 6.0);
         recorder.add(4.0, &at(3.0), 11.0);
         let balance = recorder.finish().unwrap();
-        assert!((balance.mean.drive - 8.0 / 3.0).abs() < 1e-15 && balance.stored == 2.0 && balance.mean.losses() == 2.0);
+        assert!(
+            (balance.mean.drive - 8.0 / 3.0).abs() < 1e-15 && balance.stored == 2.0 && balance.mean.losses() == 2.0
+        );
         assert!((balance.gap() - (8.0 / 3.0 - 4.0)).abs() < 1e-14);
     }
 

@@ -337,8 +337,7 @@ mod tests {
     #[test]
     fn powers_are_the_rate_of_the_energy() {
         let with_land = |mut scene: Scene| {
-            scene.cage.land =
-                Some(crate::physics::cage::GuidingLand { clearance: 2e-4, diameter: 44e-3, width: 2e-3 });
+            scene.cage.land = Some(crate::physics::cage::GuidingLand { clearance: 2e-4, diameter: 44e-3, width: 2e-3 });
             scene
         };
         let without_cage = |mut scene: Scene| {
@@ -363,7 +362,8 @@ mod tests {
                     model.derivative_watched(time, state, &mut observer.rates, &mut observer.contacts);
                     let m = model.mechanism();
                     let instant = Instant { m, rotations: m.rotations(time), time, state };
-                    let parts = |motion: &(RelativeMotion, RacewayLoad), side| observer.raceway_parts(&model, motion, side);
+                    let parts =
+                        |motion: &(RelativeMotion, RacewayLoad), side| observer.raceway_parts(&model, motion, side);
                     (instant.powers(&observer.contacts, parts), observer.rates.clone())
                 };
                 let ((powers, _), rates) = at(time, &state);
