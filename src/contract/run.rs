@@ -156,7 +156,7 @@ fn simulated(simulation: &Simulation, mut result: RunResult) -> Simulated {
         .map(|(kind, unit, spectrum)| SpectrumAnswer::of((of.channel, unit), kind, spectrum, solver))
     };
     Simulated {
-        metrics: Metrics::of(&result, simulation.scene(), outputs),
+        metrics: Metrics::of(&result, simulation),
         spectra: result.spectra.iter().flat_map(of_channel).collect(),
         series,
         views: ViewsAnswer::of(&result.plot_data),

@@ -10,6 +10,7 @@ mod distribution;
 mod dynamics;
 mod fluid;
 mod kinematics;
+mod life;
 mod pocket;
 mod rating;
 mod table;

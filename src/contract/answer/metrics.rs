@@ -6,17 +6,19 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::envelope::EnvelopeAnswer;
+use super::friction::FrictionAnswer;
 use super::headline::{BandAnswer, HeadlineAnswer, bands, in_g, velocity_mm_s};
+use super::life::LifeAnswer;
 use super::messages::{self, MessageAnswer};
 use super::report::{AccuracyAnswer, FrequenciesAnswer, LeftOutAnswer, SolverAnswer};
 use super::resonance::ResonanceAnswer;
 use crate::contract::job::outputs::EnvelopeName;
+use crate::contract::job::simulation::Simulation;
 use crate::contract::json::units::RPM;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::{Axis, Channel, Motion};
 use raceway_core::simulation::input::scene::Scene;
-use raceway_core::simulation::input::settings::Outputs;
 use raceway_core::simulation::recording::bands::BandMetrics;
 use raceway_core::simulation::result::lines::Line;
 use raceway_core::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
@@ -46,6 +48,14 @@ pub struct Metrics {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cage: Option<CageAnswer>,
+    /// Rating life (metrics `life`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub life: Option<LifeAnswer>,
+    /// Torque of friction (metrics `friction`); absent at rest, and where the speed changes its sign.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub friction: Option<FrictionAnswer>,
     /// Frequencies at the simulated speeds of cage and balls, which are those of the spectral lines. `POST /v1/scenes/resolve` returns those
     /// of rolling at the free and at the loaded contact angles.
     pub frequencies_hz: FrequenciesAnswer,
@@ -269,8 +279,8 @@ pub struct LineAnswer {
 }
 
 impl Metrics {
-    pub fn of(result: &RunResult, scene: &Scene, outputs: &Outputs) -> Self {
-        let summary = &result.summary;
+    pub fn of(result: &RunResult, simulation: &Simulation) -> Self {
+        let (summary, scene, outputs) = (&result.summary, simulation.scene(), &simulation.settings.outputs);
         let speed = constant_speed_rpm(scene);
         let channels = summary.channels.iter().map(|(channel, m)| {
             let found = summary.envelope_harmonics.iter().find(|(of, _)| of == channel);
@@ -295,6 +305,8 @@ impl Metrics {
                 .cage
                 .as_ref()
                 .map(|cage| CageAnswer { orbit_radius_um: cage.orbit_radius, whirl_ratio: cage.whirl_ratio }),
+            life: LifeAnswer::of_run(simulation, summary),
+            friction: FrictionAnswer::of_run(simulation, summary),
             frequencies_hz: summary.frequencies.into(),
             lines: lines(&summary.lines),
             envelope_lines: lines(&summary.envelope_lines),

@@ -27,6 +27,8 @@ pub mod uncertainty;
 pub mod failure;
 
 pub mod envelope;
+pub mod friction;
+pub mod life;
 pub mod ordered;
 pub mod resolve;
 pub mod resonance;

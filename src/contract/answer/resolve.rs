@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
+use super::friction::FrictionReferenceAnswer;
+use super::life::LifeAnswer;
 use super::loads::{LoadAnswer, loads};
 use super::messages::{self, MessageAnswer};
 use super::ordered::{self, ClearanceAnswer, DesignationAnswer, OilAnswer};
@@ -124,6 +126,14 @@ pub struct DerivedAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub frequencies_loaded_inner_control_hz: Option<FrequenciesAnswer>,
+    /// Rating life under the loads at rest; absent without a static equilibrium.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub life: Option<LifeAnswer>,
+    /// Friction moments by empirical models; absent at rest, without oil, without load and for types other than deep groove.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub friction_reference: Option<FrictionReferenceAnswer>,
     /// The bearing of the catalogue; absent where no designation is given. The presets of `GET /v1/presets` keep their own numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -200,6 +210,10 @@ pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
             loads: loads(base.scene()),
             surfaces: SurfacesAnswer::of(base.scene(), &base.terms),
             resonances: resonances(base),
+            life: at_rest.as_ref().and_then(|at_rest| life(base, at_rest)),
+            friction_reference: at_rest
+                .as_ref()
+                .and_then(|at_rest| FrictionReferenceAnswer::of(&base.resolved, at_rest)),
             designation: DesignationAnswer::of(&base.resolved),
             clearance: base.resolved.ordered.clearance.as_ref().map(ClearanceAnswer::from),
             oil: base.resolved.ordered.oil.as_ref().map(OilAnswer::from),
@@ -255,6 +269,8 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         frequencies_hz: ideal_frequencies(bearing, scene.operating_speeds()).into(),
         frequencies_loaded_hz: loaded.map(|loaded| loaded.outer_control.into()),
         frequencies_loaded_inner_control_hz: loaded.map(|loaded| loaded.inner_control.into()),
+        life: None,
+        friction_reference: None,
         designation: None,
         clearance: None,
         oil: None,
@@ -263,6 +279,11 @@ fn derived(scene: &Scene, at_rest: Option<&StaticLoads>, loaded: Option<LoadedFr
         resonances: Vec::new(),
         at_rest: at_rest.and_then(static_answer),
     }
+}
+
+/// `None` where a load of the equilibrium is not finite.
+fn life(base: &Simulation, at_rest: &StaticLoads) -> Option<LifeAnswer> {
+    static_answer(at_rest).map(|_| LifeAnswer::of(base.scene(), at_rest, &base.resolved.life))
 }
 
 /// `None` unless every number is finite.

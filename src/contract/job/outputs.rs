@@ -22,8 +22,8 @@ use raceway_core::simulation::recording::sampling::BAND;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OutputsInput {
-    /// Parts of the metrics. Default: all three.
-    #[schema(nullable = false, max_items = 3)]
+    /// Parts of the metrics. Default: `vibration`, `contacts` and `cage`.
+    #[schema(nullable = false, max_items = 5)]
     pub metrics: Option<Vec<MetricsPart>>,
     /// Channels whose amplitude and envelope spectra are kept. Default: accelerations of the spindle in y and z.
     #[schema(nullable = false, max_items = 64, example = json!(["spindle.y.acceleration"]))]
@@ -66,13 +66,16 @@ impl From<EnvelopeName> for EnvelopeKind {
 }
 
 /// `vibration`: channels and spectral lines. `contacts`: loads, pressure and slip of the raceway contacts. `cage`:
-/// kinematics, orbit of the cage and pocket loads.
+/// kinematics, orbit of the cage and pocket loads. `life`: rating life, also from the recorded ball loads; not on `spindle_only` and `periodic`.
+/// `friction`: torque of friction by place; on `full` and `planar` only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MetricsPart {
     Vibration,
     Contacts,
     Cage,
+    Life,
+    Friction,
 }
 
 impl MetricsPart {
@@ -81,6 +84,8 @@ impl MetricsPart {
             Self::Vibration => "vibration",
             Self::Contacts => "contacts",
             Self::Cage => "cage",
+            Self::Life => "life",
+            Self::Friction => "friction",
         }
     }
 }
@@ -94,7 +99,8 @@ pub const ENVELOPE_LIMITS: [f64; 2] = [10.0, 25_600.0];
 pub const MIN_BAND_EDGES: usize = 2;
 pub const MAX_BAND_EDGES: usize = 17;
 const BAND_EDGE_LIMITS: [f64; 2] = [1.0, BAND];
-const ALL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
+/// The default.
+const USUAL: [MetricsPart; 3] = [MetricsPart::Vibration, MetricsPart::Contacts, MetricsPart::Cage];
 
 impl OutputsInput {
     /// The outputs of a run. Channels are checked against the scene; without a scene only their number is checked.
@@ -121,7 +127,7 @@ impl OutputsInput {
 
     /// The outputs of a run that keeps metrics only.
     pub fn resolve_metrics(&mut self, defaults: &mut Defaults) -> Outputs {
-        let metrics = defaults.fill("/outputs/metrics", &mut self.metrics, ALL.to_vec());
+        let metrics = defaults.fill("/outputs/metrics", &mut self.metrics, USUAL.to_vec());
         for (index, part) in metrics.iter().enumerate() {
             if metrics[..index].contains(part) {
                 defaults.refuse(format!("/outputs/metrics/{index}"), "given more than once");
@@ -131,6 +137,8 @@ impl OutputsInput {
             vibration: metrics.contains(&MetricsPart::Vibration),
             contacts: metrics.contains(&MetricsPart::Contacts),
             cage: metrics.contains(&MetricsPart::Cage),
+            life: metrics.contains(&MetricsPart::Life),
+            friction: metrics.contains(&MetricsPart::Friction),
             ..Outputs::vibration()
         }
     }

@@ -32,7 +32,7 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
 
 /// Limits of fields of the job.
-const OF_A_JOB: [FieldLimits; 26] = [
+const OF_A_JOB: [FieldLimits; 33] = [
     DURATION,
     from("/settle_s", 0.0, 1000.0, "s"),
     from("/priority", 1.0, 4.0, ""),
@@ -52,6 +52,13 @@ const OF_A_JOB: [FieldLimits; 26] = [
     from("/scene/bearing/temperatures/outer_ring_c", -100.0, 400.0, "°C"),
     from("/scene/bearing/temperatures/ring_expansion_per_k", 0.0, 1e-4, "1/K"),
     from("/scene/bearing/temperatures/ball_expansion_per_k", 0.0, 1e-4, "1/K"),
+    from("/scene/bearing/dynamic_load_rating_n", 1.0, 1e8, "N"),
+    from("/scene/bearing/static_load_rating_n", 1.0, 1e8, "N"),
+    from("/scene/bearing/f0", 1.0, 100.0, ""),
+    from("/scene/bearing/fatigue_load_limit_n", 1e-3, 1e8, "N"),
+    from("/scene/bearing/raceway_roughness_um", 1e-4, 100.0, "µm"),
+    from("/scene/bearing/ball_roughness_um", 1e-4, 100.0, "µm"),
+    from("/scene/contamination_factor", 1e-6, 1.0, ""),
     from("/scene/lubricant/temperature_c", -50.0, 200.0, "°C"),
     from("/scene/lubricant/viscosity_40_mm2_s", 2.0, 10_000.0, "mm²/s"),
     from("/scene/lubricant/viscosity_100_mm2_s", 0.5, 5000.0, "mm²/s"),

@@ -73,6 +73,30 @@ pub struct BearingInput {
     /// Free contact angle [°]. Either this or `radial_clearance_um`.
     #[schema(nullable = false)]
     pub contact_angle_deg: Option<f64>,
+    /// Basic dynamic load rating C of the maker, for the life only [N]. Default: by ISO 281.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 14000)]
+    pub dynamic_load_rating_n: Option<f64>,
+    /// Basic static load rating C₀ of the maker, for the life only [N]. Default: by ISO 76.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 7850)]
+    pub static_load_rating_n: Option<f64>,
+    /// Factor f₀ of the maker, for the life only [-]. Default: by ISO 76.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 13.9)]
+    pub f0: Option<f64>,
+    /// Fatigue load limit C_u of the maker [N], for `life.a_iso`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 335)]
+    pub fatigue_load_limit_n: Option<f64>,
+    /// Rms roughness R_q of the raceways [µm], for `life.lambda` only. Default 0.05.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 0.05)]
+    pub raceway_roughness_um: Option<f64>,
+    /// Rms roughness R_q of the balls [µm], for `life.lambda` only. Default 0.05.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 0.02)]
+    pub ball_roughness_um: Option<f64>,
     /// Materials of balls, raceways and cage.
     #[serde(default, deserialize_with = "optional_object")]
     #[schema(nullable = false)]

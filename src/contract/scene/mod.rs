@@ -6,6 +6,7 @@ pub mod scene_input;
 pub mod bearing;
 pub mod cage;
 pub mod damping;
+pub mod life;
 pub mod loads;
 pub mod lubricant;
 pub mod material;

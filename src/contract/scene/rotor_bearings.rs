@@ -158,6 +158,7 @@ impl RotorBearingInput {
             surfaces,
             terms: None,
             gravity_m_s2: None,
+            contamination_factor: None,
         };
         let scene = match alone.resolve(&Uploads::default()) {
             Ok(scene) => scene,

@@ -10,6 +10,7 @@ use crate::contract::json::uploads::Uploads;
 use crate::contract::scene::bearing::{BearingChoice, BearingInput};
 use crate::contract::scene::bearing_base::{ChosenBearing, choose};
 use crate::contract::scene::damping::DampingInput;
+use crate::contract::scene::life::life_input;
 use crate::contract::scene::lubricant::{self, LubricantChoice, LubricantInput};
 use crate::contract::scene::mounted_bearing::mount;
 use crate::contract::scene::mounting::{OperatingClearance, RingsAndBalls};
@@ -22,6 +23,7 @@ use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::designation::Designation;
 use raceway_core::simulation::input::scene::{Scene, SceneParameters};
+use raceway_core::simulation::model::rating_life::LifeInput;
 
 /// The simulated system: bearing, spindle, lubricant and operation. Only `bearing` and `operation.speed_rpm` are required. A list `bearings` of one
 /// item, as in jobs of kind `machine`, may stand for `bearing`, `lubricant`, `damping` and `surfaces`.
@@ -57,6 +59,10 @@ pub struct SceneInput {
     /// Acceleration of gravity along +Y [m/s²]. Default 9.81.
     #[schema(nullable = false, example = 9.81)]
     pub gravity_m_s2: Option<f64>,
+    /// Contamination factor e_C of ISO 281, for `life.a_iso` [-]: 1 in extreme cleanliness, 0.5 to 0.6 in normal one, 0.1 and less in dirt.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, example = 0.5)]
+    pub contamination_factor: Option<f64>,
 }
 
 /// A checked scene: with all defaults in the user's units, and in SI.
@@ -67,6 +73,8 @@ pub struct ResolvedScene {
     pub defaults: Vec<String>,
     pub scene: Scene,
     pub ordered: Ordered,
+    /// What a rating life needs beside the scene.
+    pub life: LifeInput,
 }
 
 /// What the request names as one orders it, where the resolved scene has numbers.
@@ -93,9 +101,15 @@ impl SceneInput {
         let mut ordered = Ordered::default();
         let parameters = self.parameters(&mut defaults, &mut ordered);
         let scene = defaults.built(Scene::new(parameters));
+        let life = match &self.bearing {
+            NameOr::Object(bearing) => {
+                life_input(bearing, self.contamination_factor, ordered.oil.as_ref(), &mut defaults)
+            }
+            NameOr::Name(_) => LifeInput::default(),
+        };
         let defaults = defaults.into_result()?;
         let unbuildable = || vec![FieldError::new("/scene", "cannot be built")];
-        Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)?, ordered })
+        Ok(ResolvedScene { input: self, defaults, scene: scene.ok_or_else(unbuildable)?, ordered, life })
     }
 
     /// The scene in SI. After an error a substitute replaces the wrong value.

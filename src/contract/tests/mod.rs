@@ -1,4 +1,5 @@
 mod accepted;
+mod life;
 mod loads;
 mod mode_accuracy;
 mod optimum;

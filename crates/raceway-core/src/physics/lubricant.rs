@@ -53,6 +53,11 @@ impl Lubricant {
         self.inlet_distance.unwrap_or_else(|| default_inlet_distance(ball_diameter))
     }
 
+    /// Kinematic viscosity of the (base) oil at a usual density of 900 kg/m³ [mm²/s]; `None` without oil.
+    pub fn kinematic_viscosity(&self) -> Option<f64> {
+        (self.kind != LubricantKind::Dry && self.viscosity > 0.0).then(|| 1e6 * self.viscosity / OIL_DENSITY)
+    }
+
     /// Density of the lubricant–air mixture, ρ_e = X ρ_l + (1 − X) ρ_a [kg/m³].
     pub(crate) fn mixture_density(&self) -> f64 {
         self.fill * OIL_DENSITY + (1.0 - self.fill) * AIR_DENSITY

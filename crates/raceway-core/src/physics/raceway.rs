@@ -185,6 +185,16 @@ impl RacewayContact {
         self
     }
 
+    /// Returns true where forces of the film's inlet act.
+    pub(crate) fn has_inlet(&self) -> bool {
+        self.groove.hydrodynamics
+    }
+
+    /// The same raceway without forces of the film's inlet.
+    pub(crate) fn without_inlet(&self) -> Self {
+        Self { groove: Groove { hydrodynamics: false, ..self.groove }, ..self.clone() }
+    }
+
     /// Returns true for an ideal circle in a plane.
     pub(crate) fn is_circle(&self) -> bool {
         self.surface.is_ideal() && self.axial.is_ideal()

@@ -19,6 +19,10 @@ pub struct Outputs {
     pub vibration: bool,
     pub contacts: bool,
     pub cage: bool,
+    /// Means of the loads of the balls, from which a life follows.
+    pub life: bool,
+    /// Powers of contacts, pockets and drag.
+    pub friction: bool,
     /// Channels with amplitude and envelope spectra.
     pub spectra: Vec<Channel>,
     /// Channels with a full time series.
@@ -55,6 +59,8 @@ impl Outputs {
             vibration: true,
             contacts: false,
             cage: false,
+            life: false,
+            friction: false,
             spectra: Vec::new(),
             series: Vec::new(),
             envelope: ENVELOPE,

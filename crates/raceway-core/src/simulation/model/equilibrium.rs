@@ -6,6 +6,7 @@ mod search;
 pub(crate) use search::on_ring;
 pub use search::{Equilibrium, equilibrium, spindle_stiffness};
 
+use crate::physics::bearing::PerRaceway;
 use crate::physics::operation::InitialPerturbation;
 use crate::physics::raceway::RacewayContact;
 use crate::simulation::input::scene::Scene;
@@ -24,6 +25,12 @@ pub struct StaticLoads {
     pub axial_displacement: f64,
     /// Load of each ball on the inner raceway [N].
     pub ball_loads: Vec<f64>,
+    /// Load of each ball on both raceways [N].
+    pub raceway_loads: Vec<PerRaceway<f64>>,
+    /// Radial force on the spindle, its weight included [N].
+    pub radial_load: f64,
+    /// Magnitude of the force along X that the balls carry [N]: the applied one, or what a held spindle takes.
+    pub axial_load: f64,
     /// Largest load of a ball on the inner raceway [N].
     pub max_ball_load: f64,
     /// Largest pressure on either raceway [Pa].
@@ -75,6 +82,7 @@ pub fn static_loads(scene: &Scene, needs: &ActiveTerms) -> Result<StaticLoads, S
         .fold(0.0, f64::max);
     let [x, y, z] = mechanism.load;
     let radial = y.hypot(z);
+    let axial_load = if mechanism.layout.axial_spindle { x.abs() } else { carried_along_axis(&rest) };
     let along = if radial > 0.0 { (rest.spindle[1] * y + rest.spindle[2] * z) / radial } else { 0.0 };
     let ball_loads: Vec<f64> = rest.loads.iter().map(|load| load.inner).collect();
     Ok(StaticLoads {
@@ -82,6 +90,20 @@ pub fn static_loads(scene: &Scene, needs: &ActiveTerms) -> Result<StaticLoads, S
         axial_displacement: if x == 0.0 { rest.spindle[0] } else { rest.spindle[0] * x.signum() },
         max_ball_load: ball_loads.iter().copied().fold(0.0, f64::max),
         ball_loads,
+        raceway_loads: rest.loads,
+        radial_load: radial,
+        axial_load,
         max_pressure,
     })
+}
+
+/// Share of the balls' loads below which their sum along the axis is rounding [-].
+const ROUNDING: f64 = 1e-9;
+
+/// Magnitude of the sum of the balls' forces along the axis [N].
+fn carried_along_axis(rest: &Equilibrium) -> f64 {
+    let forces = rest.loads.iter().zip(&rest.angles).map(|(load, angle)| load.inner * angle.inner.0);
+    let loads: f64 = rest.loads.iter().map(|load| load.inner).sum();
+    let sum = forces.sum::<f64>().abs();
+    if sum > ROUNDING * loads { sum } else { 0.0 }
 }

@@ -70,6 +70,10 @@ pub enum Inapplicable {
     ContactsRequested,
     #[error("the cage's motion is asked for (`outputs.metrics` without \"cage\" does not)")]
     CageRequested,
+    #[error("the life from the loads of the balls is asked for (`outputs.metrics` without \"life\" does not)")]
+    LifeRequested,
+    #[error("the friction torque is asked for (`outputs.metrics` without \"friction\" does not)")]
+    FrictionRequested,
     #[error("a channel besides y and z of the spindle is asked for")]
     OtherChannels,
     #[error("an output asks for motion along X")]

@@ -8,6 +8,7 @@ use crate::physics::drag::Drag;
 use crate::physics::frames::{Azimuth, Vector};
 use crate::physics::kinematics::{self, RingSpeeds};
 use crate::physics::land::Land;
+use crate::physics::life::reference::LoadMeans;
 use crate::physics::limits::SHORTEST_RAMP;
 use crate::physics::loads::{SpindleLoad, VaryingLoads};
 use crate::physics::neighbour::NeighbourContact;
@@ -239,6 +240,11 @@ impl Mechanism {
     /// Orbit speed of ideally rolling balls at constant speeds of the rings [rad/s]; `None` where a speed changes.
     pub(crate) fn steady_orbit_speed(&self) -> Option<f64> {
         self.rotation.is_constant().then(|| self.rotations(0.0).orbit.speed)
+    }
+
+    /// Empty means of the loads of the balls, with the exponents of the rings that turn.
+    pub(crate) fn load_means(&self) -> LoadMeans {
+        LoadMeans::of_rings(self.rotation.inner.largest(), self.rotation.outer.largest())
     }
 
     /// Rotations of the rings and of ideally rolling balls at a time [s].

@@ -29,6 +29,8 @@ pub mod surfaces;
 
 pub mod loaded_frequencies;
 
+pub mod rating_life;
+
 pub mod contact_resonance;
 
 pub mod stiffness;

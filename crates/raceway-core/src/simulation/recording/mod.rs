@@ -16,6 +16,8 @@ pub(crate) mod loaded_rolling;
 
 pub mod off_raceway;
 
+pub mod power_balance;
+
 pub mod defect_passages;
 
 pub mod ball_tracks;

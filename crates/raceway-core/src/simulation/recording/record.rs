@@ -9,6 +9,7 @@ use crate::simulation::recording::ball_tracks::BallTrack;
 use crate::simulation::recording::defect_passages::Passage;
 use crate::simulation::recording::load_course::BallLoadCourse;
 use crate::simulation::recording::off_raceway::OffShare;
+use crate::simulation::recording::power_balance::PowerBalance;
 use crate::simulation::recording::series::SeriesRecording;
 use crate::simulation::recording::windows::{Signal, Whirl};
 
@@ -71,6 +72,10 @@ pub struct Recording {
     /// Orbit speed of balls that roll at their loaded contact angles over the shaft speed, both relative to the outer ring, mean of the balls
     /// with load [-]; `None` where too few balls carry load, and where it was not requested.
     pub loaded_orbit_ratio: Option<f64>,
+    /// Power means of the loads of the balls on both raceways [N]; `None` where they were not requested.
+    pub load_means: Option<PerRaceway<f64>>,
+    /// Mean powers; `None` where they were not requested.
+    pub powers: Option<PowerBalance>,
     /// How each ball rolls, where one is no sphere and the model knows; else empty.
     pub tracks: Vec<BallTrack>,
     /// Scalar results of consecutive parts of the recorded time.

@@ -18,6 +18,7 @@ use crate::simulation::model::Mechanism;
 use crate::simulation::model::contact_resonance::ContactResonance;
 use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::off_raceway::OffShare;
+use crate::simulation::recording::power_balance::PowerBalance;
 use crate::simulation::recording::record::{ContactExtremes, Recording};
 use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
@@ -120,6 +121,12 @@ pub struct Summary {
     pub contacts: Option<ContactMetrics>,
     /// Absent when not asked for, or when the scene has no cage.
     pub cage: Option<CageMetrics>,
+    /// Power means of the loads of the balls on both raceways [N]; absent when not asked for.
+    pub load_means: Option<PerRaceway<f64>>,
+    /// Torques; absent when not asked for, and at rest.
+    pub friction: Option<FrictionTorque>,
+    /// Mean speed of one ring relative to the other [rad/s].
+    pub relative_speed: f64,
     /// From the simulated cage and ball speed [Hz].
     pub frequencies: CharacteristicFrequencies,
     /// Strongest first within a channel.
@@ -219,6 +226,29 @@ pub fn cage(scene: &Scene, recording: &Recording) -> Option<CageMetrics> {
             .map(|whirl| recording.direction * whirl.rate() / speeds.cage),
         max_pocket_load: recording.max_pocket_load,
     })
+}
+
+/// Torque of friction about the axis: mean powers over the mean speed of the rings relative to each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionTorque {
+    /// [W]
+    pub powers: PowerBalance,
+    /// [rad/s]
+    pub speed: f64,
+}
+
+impl FrictionTorque {
+    /// Torque [N m] of a power [W].
+    pub fn of(&self, power: f64) -> f64 {
+        power / self.speed
+    }
+}
+
+/// Torque of friction; `None` where it was not recorded, and where the rings stand or turn back and forth.
+pub fn friction(scene: &Scene, recording: &Recording) -> Option<FrictionTorque> {
+    let speed = recording.speeds.relative;
+    let turns = speed > 0.0 && !scene.operation.rotation().reverses();
+    recording.powers.filter(|_| turns).map(|powers| FrictionTorque { powers, speed })
 }
 
 /// Characteristic frequencies at the simulated speeds [Hz].

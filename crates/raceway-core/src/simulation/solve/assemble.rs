@@ -137,7 +137,8 @@ fn later_window(
     control: &Control<'_>,
 ) -> Result<Recording, SimulationError> {
     let Problem { scene, settings, .. } = *problem;
-    let levels_only = Outputs { contacts: false, cage: false, ..settings.outputs.without_signals() };
+    let levels_only =
+        Outputs { contacts: false, cage: false, life: false, friction: false, ..settings.outputs.without_signals() };
     let later = RunSettings {
         settle: settings.settle + settings.duration + f64::max(GAP * settings.duration, REPEATED),
         duration: if many { BATCHES as f64 * settings.duration } else { settings.duration },

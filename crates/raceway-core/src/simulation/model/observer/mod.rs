@@ -8,6 +8,8 @@
 
 mod moments;
 
+mod powers;
+
 mod snapshot;
 
 mod run_observer;

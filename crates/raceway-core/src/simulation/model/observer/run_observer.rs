@@ -1,6 +1,7 @@
 //! The observer of a run: its sampling times, and the path of each sample into the recording.
 
 use super::moments::{CageMoments, Moments};
+use super::powers::PowerObserver;
 use super::snapshot::{Contact, Peaks, RunningExtremes, Snapshot, SnapshotWatch};
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
@@ -9,6 +10,7 @@ use crate::numerics::ode::Method;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Vector, dot, length};
 use crate::physics::kinematics::{BodySpeeds, LoadedBall, RingSpeeds};
+use crate::physics::life::reference::LoadMeans;
 use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::mechanism::direction;
@@ -82,6 +84,10 @@ pub struct Observer<'m> {
     /// Whether the slip of the cage is recorded.
     slips: bool,
     rolling: LoadedRolling,
+    /// Loads of the balls, where a life is requested.
+    load_means: Option<LoadMeans>,
+    /// Powers, where the friction is requested.
+    powers: Option<PowerObserver>,
     /// Scalar results of each part of `PART` recorded values.
     parts: Vec<Quantities>,
     /// Moments of the cage over the current part.
@@ -149,6 +155,8 @@ impl<'m> Observer<'m> {
             spin: Moments::default(),
             slips: settings.outputs.cage,
             rolling: LoadedRolling::default(),
+            load_means: settings.outputs.life.then(|| model.mechanism().load_means()),
+            powers: settings.outputs.friction.then(|| PowerObserver::new(model)),
             parts: Vec::with_capacity(values.div_ceil(PART)),
             part_cage: CageMoments::default(),
             tracks: (!model.mechanism().uneven_balls.is_empty()).then(|| BallTracks::new(balls)),
@@ -291,6 +299,14 @@ impl<'m> Observer<'m> {
         }
         self.observe_sites(time);
         self.observe_tracks(time);
+        if let Some(means) = &mut self.load_means {
+            for (inner, outer) in self.snapshot.inner.iter().zip(&self.snapshot.outer) {
+                means.add(PerRaceway { inner: *inner, outer: *outer });
+            }
+        }
+        if let Some(powers) = &mut self.powers {
+            powers.observe(self.model, time, &self.state);
+        }
     }
 
     /// Latitudes of the contacts on balls that may leave their plane.
@@ -483,6 +499,8 @@ impl<'m> Observer<'m> {
             direction: direction(rings, self.model.mechanism()),
             speeds: BodySpeeds::new(rings, self.cage.mean(), self.spin.mean()),
             loaded_orbit_ratio: self.rolling.mean(),
+            load_means: self.load_means.map(|means| means.means()),
+            powers: self.powers.and_then(|powers| powers.into_recorder().finish()),
             tracks: self.tracks.map(BallTracks::finish).unwrap_or_default(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),

@@ -45,6 +45,8 @@ pub fn inapplicability(scene: &Scene, outputs: &Outputs) -> Option<Inapplicable>
         Some(Inapplicable::TermOn(Term::BallRadialDynamics))
     } else if outputs.spectra.iter().chain(&outputs.series).any(along_x) {
         Some(Inapplicable::ChannelAlongX)
+    } else if outputs.friction {
+        Some(Inapplicable::FrictionRequested)
     } else {
         ball_leaves(scene, outputs)
     }

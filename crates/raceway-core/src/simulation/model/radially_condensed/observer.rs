@@ -12,6 +12,7 @@ use crate::numerics::lanes::{LANES, Lanes, Singles, larger};
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::film::ThinnestFilm;
 use crate::physics::kinematics::{BodySpeeds, cage_slip};
+use crate::physics::life::reference::LoadMeans;
 use crate::simulation::input::channel::{Axis, BallContact, Channel};
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::step_ratio::StepRatio;
@@ -90,6 +91,8 @@ pub(super) struct Observer<'a> {
     /// Loaded balls of the current part, where the slip of the cage is requested, and rolling in the parts before.
     lift: Option<LoadedLift>,
     rolling: LoadedRolling,
+    /// Loads of the balls, where a life is requested.
+    load_means: Option<LoadMeans>,
     /// Balls in the load zone and over defects, on raceways that are no circles.
     sites: Option<SiteObserver<'a>>,
 }
@@ -219,6 +222,7 @@ impl<'a> Observer<'a> {
             films: model.needs().film_thickness.then(Films::new),
             lift: outputs.cage.then(LoadedLift::default),
             rolling: LoadedRolling::default(),
+            load_means: outputs.life.then(|| model.mechanism().load_means()),
             sites: model.mechanism().sites.as_ref().map(|sites| {
                 let window = outputs.keep_signals().then_some(outputs.longest_window);
                 SiteObserver::new(sites, model.mechanism().layout.balls, outputs.contacts, window)
@@ -319,6 +323,13 @@ impl<'a> Observer<'a> {
         if let Some(lift) = &mut self.lift {
             lift.observe(stepper.ball_loads(), &model.present);
         }
+        if let Some(means) = &mut self.load_means {
+            for ball in 0..m.layout.balls {
+                let PerRaceway { inner, outer } = &stepper.ball_loads()[ball / LANES].load;
+                let [inner, outer] = [inner, outer].map(|load| f64::from(load[ball % LANES]));
+                means.add(PerRaceway { inner, outer });
+            }
+        }
         if let Some(films) = &mut self.films {
             films.record(m, stepper.balls(), stepper.ball_loads(), speed);
         }
@@ -409,6 +420,8 @@ impl<'a> Observer<'a> {
                 ((m.spin_ratio - m.orbit_ratio) * shaft + total(&self.spin) * per_ball - orbit).abs(),
             ),
             loaded_orbit_ratio: self.rolling.mean(),
+            load_means: self.load_means.map(|means| means.means()),
+            powers: None,
             tracks: Vec::new(),
             parts: self.parts,
             loads: self.loads.map(BallLoadRecorder::finish),

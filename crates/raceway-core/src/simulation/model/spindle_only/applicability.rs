@@ -49,6 +49,10 @@ pub fn inapplicability(scene: &Scene, needs: &ActiveTerms, outputs: &Outputs) ->
         Inapplicable::ContactsRequested
     } else if outputs.cage {
         Inapplicable::CageRequested
+    } else if outputs.life {
+        Inapplicable::LifeRequested
+    } else if outputs.friction {
+        Inapplicable::FrictionRequested
     } else if !channels().all(of_spindle) {
         Inapplicable::OtherChannels
     } else {

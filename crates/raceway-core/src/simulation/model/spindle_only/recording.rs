@@ -41,6 +41,8 @@ pub(crate) fn recording(
             ((mechanism.spin_ratio - mechanism.orbit_ratio) * mean).abs(),
         ),
         loaded_orbit_ratio: None,
+        load_means: None,
+        powers: None,
         tracks: Vec::new(),
         parts: Vec::new(),
         loads: None,
