@@ -21,4 +21,5 @@ mod scenes;
 mod service_metrics;
 mod stored_results;
 mod studies;
+mod uncertainty;
 mod uploaded_series;

@@ -10,6 +10,9 @@ pub mod mode_comparison;
 pub mod rotor;
 pub mod search;
 pub mod study;
+pub mod uncertainty;
+
+pub mod distribution;
 
 mod many_runs;
 mod range;

@@ -184,14 +184,16 @@ fn axis_of(axis: AxisInput, pointer: &str, defaults: &mut Defaults) -> Option<(V
     }
 }
 
-const LEVEL: &str = "/channels/spindle.y.acceleration/level_db";
+/// The metric of jobs that name none.
+pub const LEVEL: &str = "/channels/spindle.y.acceleration/level_db";
 
-fn examples() -> String {
+/// Metrics as examples.
+pub fn examples() -> String {
     listed([LEVEL, "/channels/spindle.z.velocity/rms", "/contacts/inner/max_load_n", "/cage/orbit_radius_um"])
 }
 
 /// The part of the metrics that contains a metric; `None` for an unknown one.
-fn part_of(metric: &str) -> Option<MetricsPart> {
+pub fn part_of(metric: &str) -> Option<MetricsPart> {
     const OF_CHANNEL: [&str; 5] = ["rms", "peak", "crest_factor", "kurtosis", "above_band"];
     const OF_RACEWAY: [&str; 8] = [
         "max_load_n",
@@ -246,7 +248,7 @@ fn part_of(metric: &str) -> Option<MetricsPart> {
 }
 
 /// Reason why results of a scene never contain the metric; `None`: they may.
-fn unavailable(metric: &str, scene: &Scene) -> Option<String> {
+pub fn unavailable(metric: &str, scene: &Scene) -> Option<String> {
     let parts: Vec<&str> = metric.split('/').skip(1).collect();
     match parts[..] {
         ["channels", _, "envelope", ..] | ["contacts", _, "mean_off_share" | "max_off_share"]

@@ -1,0 +1,272 @@
+//! An uncertainty job: a scene, distributions of some of its fields, and metrics whose distribution is asked for. Its points are the nominal
+//! scene and the sampled ones, each a simulation of its own; they are run as those of a study.
+
+use raceway_core::sampling::design::{Design, MAX_INPUTS};
+use raceway_core::simulation::solve::plan::model_levels;
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value, json};
+use utoipa::ToSchema;
+
+use super::axis::MAX_POINTS;
+use super::distribution::{BoreAndLoss, CLEARANCE, Sampled};
+use super::input::JobInput;
+use super::kind::JobKind;
+use super::many_runs::{already_varied, refuse_signals};
+use super::outputs::MetricsPart;
+use super::search::{LEVEL, examples, part_of, unavailable};
+use super::simulation::{Draft, Simulation};
+use super::study::Study;
+use super::variation::Variation;
+use super::varied::Varied;
+use crate::contract::json::defaults::Defaults;
+use crate::contract::json::problem::{FieldError, Refusal};
+use crate::contract::json::uploads::Uploads;
+
+/// Largest number of metrics.
+const MAX_METRICS: usize = 8;
+/// Samples where the request names none: P90 has both bounds of its interval.
+const DEFAULT_SAMPLES: u32 = 64;
+
+/// How samples are drawn. `sobol`: scrambled Sobol points, a power of two of them. `latin_hypercube`: one in each of equally probable intervals of
+/// each input. `pairs`: two Sobol sets, and the first with one input after the other exchanged (Saltelli): `samples` × (inputs + 2) runs, which
+/// give total shares, too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DesignName {
+    Sobol,
+    LatinHypercube,
+    Pairs,
+}
+
+impl DesignName {
+    pub fn in_core(self) -> Design {
+        match self {
+            Self::Sobol => Design::Sobol,
+            Self::LatinHypercube => Design::LatinHypercube,
+            Self::Pairs => Design::Pairs,
+        }
+    }
+}
+
+/// Design, samples and seed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SamplePlan {
+    pub design: DesignName,
+    pub samples: u32,
+    pub seed: u64,
+}
+
+/// A checked uncertainty job.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// The nominal point, then those of the design.
+    pub study: Study,
+    pub inputs: Vec<Sampled>,
+    pub plan: SamplePlan,
+    /// Pointers to the metrics.
+    pub metrics: Vec<String>,
+    /// Points of the design in the unit cube.
+    pub cube: Vec<Vec<f64>>,
+    /// The inputs as in the request.
+    given: Value,
+}
+
+impl SamplePlan {
+    fn of(input: &mut JobInput, inputs: usize, defaults: &mut Defaults) -> Self {
+        let samples = defaults.fill("/samples", &mut input.samples, DEFAULT_SAMPLES);
+        let design = defaults.fill("/design", &mut input.design, DesignName::Sobol);
+        let seed = defaults.fill("/seed", &mut input.seed, 1);
+        let known = defaults.errors.len();
+        defaults.check("/samples", f64::from(samples));
+        let is_in_range = defaults.errors.len() == known;
+        if is_in_range && design.in_core().takes_powers_of_two() && !samples.is_power_of_two() {
+            let (below, above) = (samples.next_power_of_two() / 2, samples.next_power_of_two());
+            let detail = format!("{samples}: must be a power of two, such as {below} or {above}; or use `latin_hypercube`");
+            defaults.refuse("/samples", detail);
+        }
+        let runs = design.in_core().points(inputs, samples as usize);
+        if is_in_range && runs > MAX_POINTS {
+            let detail = format!("{samples}: `pairs` of {inputs} inputs are {runs} runs: at most {MAX_POINTS}");
+            defaults.refuse("/samples", detail);
+        }
+        Self { design, samples, seed }
+    }
+}
+
+/// The checked inputs of a request.
+pub fn inputs(draft: &mut Draft) -> Vec<Sampled> {
+    let bearing = bearing_of(draft);
+    let (input, defaults) = (&mut draft.input, &mut draft.defaults);
+    let given = input.inputs.clone();
+    let is_missing = given.is_none();
+    let given = given.unwrap_or_default();
+    if is_missing {
+        defaults.refuse("/inputs", format!("required, but missing: 1 to {MAX_INPUTS} inputs"));
+    } else if given.is_empty() || given.len() > MAX_INPUTS {
+        defaults.refuse("/inputs", format!("{} inputs: must be from 1 to {MAX_INPUTS}", given.len()));
+    }
+    let mut inputs: Vec<Sampled> = Vec::new();
+    for (number, input) in given.into_iter().take(MAX_INPUTS).enumerate() {
+        let pointer = format!("/inputs/{number}");
+        let Some(input) = Sampled::of(input.0, &pointer, bearing, defaults) else { continue };
+        match inputs.iter().find(|other| other.varied.overlaps(&input.varied)) {
+            Some(other) => defaults.refuse(pointer, already_varied(&input.varied, &other.varied)),
+            None => inputs.push(input),
+        }
+    }
+    inputs
+}
+
+/// Bore and loss of clearance of the scene's bearing; `None` where the scene has errors.
+fn bearing_of(draft: &Draft) -> Option<BoreAndLoss> {
+    let bore_mm = draft.scene_json()?.pointer("/bearing/inner_diameter_mm")?.as_f64()?;
+    let loss = draft.operating_clearance().map(|of| of.shaft_fit_um + of.housing_fit_um + of.temperature_um);
+    Some(BoreAndLoss { bore_mm, loss_um: loss.unwrap_or(0.0) })
+}
+
+/// The metrics of a request. Unless it names parts of the metrics, only those that contain them are computed.
+fn metrics(input: &mut JobInput, defaults: &mut Defaults) -> Vec<String> {
+    let metrics = defaults.fill("/metrics", &mut input.metrics, vec![LEVEL.to_owned()]);
+    if metrics.is_empty() || metrics.len() > MAX_METRICS {
+        defaults.refuse("/metrics", format!("{} metrics: must be from 1 to {MAX_METRICS}", metrics.len()));
+    }
+    let mut parts: Vec<MetricsPart> = Vec::new();
+    for (place, metric) in metrics.iter().take(MAX_METRICS).enumerate() {
+        let pointer = format!("/metrics/{place}");
+        if metrics[..place].contains(metric) {
+            defaults.refuse(pointer, "given more than once");
+            continue;
+        }
+        match part_of(metric) {
+            Some(part) if !parts.contains(&part) => parts.push(part),
+            Some(_) => {}
+            None => {
+                let metric: String = metric.chars().take(100).collect();
+                defaults.refuse(pointer, format!("unknown metric `{metric}`; metrics are, for example, {}", examples()));
+            }
+        }
+    }
+    let asked = input.outputs.get_or_insert_default().metrics.get_or_insert_with(|| parts.clone());
+    if let Some(part) = parts.iter().find(|part| !asked.contains(part)) {
+        defaults.refuse("/outputs/metrics", format!("must contain `{}`, a part of `metrics`", part.name()));
+    }
+    metrics
+}
+
+/// The request whose simulations are varied: with the parts of the metrics, and without a clearance group where another one is sampled.
+pub fn varied_request(request: &Value, parts: Value, inputs: &[Sampled]) -> Value {
+    let mut request = request.clone();
+    if let Value::Object(fields) = &mut request {
+        let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
+        if let Value::Object(outputs) = outputs {
+            outputs.entry("metrics").or_insert(parts);
+        }
+    }
+    if inputs.iter().any(|input| input.varied.name == CLEARANCE)
+        && let Some(Value::Object(bearing)) = request.pointer_mut("/scene/bearing")
+    {
+        // Their loss is part of the sampled clearance; without a group they are refused.
+        for field in ["radial_clearance_group", "fits", "temperatures"] {
+            bearing.remove(field);
+        }
+    }
+    request
+}
+
+impl Uncertainty {
+    /// The uncertainty job of a request of this kind. Refused also where the scene cannot be built at the nominal or at the outermost sampled
+    /// values of an input, or where its results never contain a metric.
+    pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
+        let mut draft = Draft::of(JobKind::Uncertainty, request, uploads)?;
+        refuse_signals(JobKind::Uncertainty, &draft.input, &mut draft.defaults);
+        let inputs = inputs(&mut draft);
+        let plan = SamplePlan::of(&mut draft.input, inputs.len(), &mut draft.defaults);
+        let metrics = metrics(&mut draft.input, &mut draft.defaults);
+        let given = json!(draft.input.inputs);
+        let settings = draft.settings();
+        let base = draft.simulation(settings, model_levels)?;
+        let parts = json!(base.outputs.metrics);
+        let request = varied_request(&base.submission.request, parts, &inputs);
+        let variation = Variation::new(&request, base.scene_json(), uploads);
+        check_inputs(&inputs, &variation)?;
+        let cube = plan.design.in_core().cube(inputs.len(), plan.samples as usize, plan.seed);
+        let columns = inputs.iter().enumerate().map(|(place, input)| {
+            let sampled = cube.iter().map(|point| input.value(point[place]));
+            (input.varied.clone(), [input.nominal()].into_iter().chain(sampled).collect())
+        });
+        let study = Study::listed(base, columns.collect(), variation);
+        let job = Self { study, inputs, plan, metrics, cube, given };
+        let nominal = job.check_values()?;
+        let missing = |(place, metric): (usize, &String)| {
+            unavailable(metric, nominal.scene()).map(|detail| FieldError::new(format!("/metrics/{place}"), detail))
+        };
+        match job.metrics.iter().enumerate().find_map(missing) {
+            Some(error) => Err(error.into()),
+            None => Ok(job),
+        }
+    }
+
+    /// The nominal simulation. Refuses values of an input with which the scene cannot be built while the others are nominal.
+    fn check_values(&self) -> Result<Simulation, Refusal> {
+        let at_input = |error: FieldError| {
+            let place = self.inputs.iter().position(|input| input.varied.sets(&error.pointer));
+            let Some(place) = place else { return error };
+            let detail = format!("at the nominal values: {}", self.inputs[place].varied.message(&error));
+            FieldError::new(format!("/inputs/{place}/distribution"), detail)
+        };
+        let nominal = self.study.point(0).map_err(|refusal| refusal.map_errors(at_input))?;
+        for (place, input) in self.inputs.iter().enumerate() {
+            for value in self.outermost(place) {
+                let others = self.inputs.iter().filter(|other| other.varied != input.varied);
+                let values = others.map(|other| (&other.varied, other.nominal())).chain([(&input.varied, value.clone())]);
+                let Err(Refusal::Invalid { errors }) = self.study.scene(values) else { continue };
+                let Some(error) = errors.first() else { continue };
+                let detail = format!("at the sampled value {value}: {}", input.varied.message(error));
+                return Err(FieldError::new(format!("/inputs/{place}/distribution"), detail).into());
+            }
+        }
+        Ok(nominal)
+    }
+
+    /// The least and the greatest sampled number of an input, or all its values.
+    fn outermost(&self, place: usize) -> Vec<Value> {
+        let values = &self.study.axes[place].values;
+        if self.inputs[place].is_ordered() {
+            let number = |value: &&Value| value.as_f64().unwrap_or(f64::NAN);
+            let by_size = |a: &&Value, b: &&Value| number(a).total_cmp(&number(b));
+            return values.iter().min_by(by_size).into_iter().chain(values.iter().max_by(by_size)).cloned().collect();
+        }
+        let mut known: Vec<Value> = Vec::new();
+        for value in values {
+            if !known.contains(value) {
+                known.push(value.clone());
+            }
+        }
+        known
+    }
+
+    /// Everything that determines the result, as JSON.
+    pub fn canonical(&self) -> Value {
+        json!({
+            "kind": JobKind::Uncertainty.name(),
+            "base": self.study.base_request(),
+            "inputs": self.given,
+            "samples": self.plan.samples,
+            "design": self.plan.design,
+            "seed": self.plan.seed,
+            "metrics": self.metrics,
+        })
+    }
+}
+
+/// Refuses inputs whose field the scene does not have.
+fn check_inputs(inputs: &[Sampled], variation: &Variation) -> Result<(), Refusal> {
+    let refused = |varied: &Varied| variation.refuses(varied);
+    let errors = inputs.iter().enumerate().filter_map(|(place, input)| {
+        refused(&input.varied).map(|detail| FieldError::new(format!("/inputs/{place}/path"), detail))
+    });
+    match errors.collect::<Vec<_>>() {
+        errors if errors.is_empty() => Ok(()),
+        errors => Err(Refusal::Invalid { errors }),
+    }
+}
