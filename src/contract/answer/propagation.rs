@@ -15,8 +15,9 @@ use super::point::PointStatus;
 use super::table::Row;
 use super::uncertainty::uncertain;
 use crate::contract::job::axis::AxisValue;
+use crate::contract::job::design::DesignName;
 use crate::contract::job::distribution::Sampled;
-use crate::contract::job::uncertainty::{DesignName, Uncertainty};
+use crate::contract::job::uncertainty::Uncertainty;
 
 /// Percentiles of the answer.
 const PERCENTILES: [u32; 5] = [5, 10, 50, 90, 95];

@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::axis::{AxisInput, StrictAxis};
+use super::design::DesignName;
 use super::distribution::{StrictInput, UncertainInput};
 use super::kind::JobKindName;
 use super::outputs::OutputsInput;
 use super::solver::{MethodName, SolverInput};
 use super::submission::ServiceFields;
-use super::uncertainty::DesignName;
 use crate::contract::json::limits::{MAX_REPETITIONS, MAX_SAMPLES, MIN_SAMPLES};
 use crate::contract::json::shapes::{object, optional_object, whole_number, wide_whole_number};
 use crate::contract::scene::scene_input::SceneInput;

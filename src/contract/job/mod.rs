@@ -12,7 +12,10 @@ pub mod search;
 pub mod study;
 pub mod uncertainty;
 
+pub mod design;
 pub mod distribution;
+mod metric;
+mod sampled_inputs;
 
 mod many_runs;
 mod range;

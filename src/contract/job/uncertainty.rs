@@ -1,23 +1,21 @@
 //! An uncertainty job: a scene, distributions of some of its fields, and metrics whose distribution is asked for. Its points are the nominal
 //! scene and the sampled ones, each a simulation of its own; they are run as those of a study.
 
-use raceway_core::sampling::design::{Design, MAX_INPUTS};
 use raceway_core::simulation::solve::plan::model_levels;
-use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value, json};
-use utoipa::ToSchema;
+use serde_json::{Value, json};
 
 use super::axis::MAX_POINTS;
-use super::distribution::{BoreAndLoss, CLEARANCE, Sampled};
+use super::design::DesignName;
+use super::distribution::Sampled;
 use super::input::JobInput;
 use super::kind::JobKind;
-use super::many_runs::{already_varied, refuse_signals};
+use super::many_runs::refuse_signals;
+use super::metric::{LEVEL, examples, part_of, unavailable};
 use super::outputs::MetricsPart;
-use super::search::{LEVEL, examples, part_of, unavailable};
+use super::sampled_inputs::{check_inputs, inputs, varied_request};
 use super::simulation::{Draft, Simulation};
 use super::study::Study;
 use super::variation::Variation;
-use super::varied::Varied;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::uploads::Uploads;
@@ -26,27 +24,6 @@ use crate::contract::json::uploads::Uploads;
 const MAX_METRICS: usize = 8;
 /// Samples where the request names none: P90 has both bounds of its interval.
 const DEFAULT_SAMPLES: u32 = 64;
-
-/// How samples are drawn. `sobol`: scrambled Sobol points, a power of two of them. `latin_hypercube`: one in each of equally probable intervals of
-/// each input. `pairs`: two Sobol sets, and the first with one input after the other exchanged (Saltelli): `samples` × (inputs + 2) runs, which
-/// give total shares, too.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum DesignName {
-    Sobol,
-    LatinHypercube,
-    Pairs,
-}
-
-impl DesignName {
-    pub fn in_core(self) -> Design {
-        match self {
-            Self::Sobol => Design::Sobol,
-            Self::LatinHypercube => Design::LatinHypercube,
-            Self::Pairs => Design::Pairs,
-        }
-    }
-}
 
 /// Design, samples and seed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,37 +70,6 @@ impl SamplePlan {
     }
 }
 
-/// The checked inputs of a request.
-pub fn inputs(draft: &mut Draft) -> Vec<Sampled> {
-    let bearing = bearing_of(draft);
-    let (input, defaults) = (&mut draft.input, &mut draft.defaults);
-    let given = input.inputs.clone();
-    let is_missing = given.is_none();
-    let given = given.unwrap_or_default();
-    if is_missing {
-        defaults.refuse("/inputs", format!("required, but missing: 1 to {MAX_INPUTS} inputs"));
-    } else if given.is_empty() || given.len() > MAX_INPUTS {
-        defaults.refuse("/inputs", format!("{} inputs: must be from 1 to {MAX_INPUTS}", given.len()));
-    }
-    let mut inputs: Vec<Sampled> = Vec::new();
-    for (number, input) in given.into_iter().take(MAX_INPUTS).enumerate() {
-        let pointer = format!("/inputs/{number}");
-        let Some(input) = Sampled::of(input.0, &pointer, bearing, defaults) else { continue };
-        match inputs.iter().find(|other| other.varied.overlaps(&input.varied)) {
-            Some(other) => defaults.refuse(pointer, already_varied(&input.varied, &other.varied)),
-            None => inputs.push(input),
-        }
-    }
-    inputs
-}
-
-/// Bore and loss of clearance of the scene's bearing; `None` where the scene has errors.
-fn bearing_of(draft: &Draft) -> Option<BoreAndLoss> {
-    let bore_mm = draft.scene_json()?.pointer("/bearing/inner_diameter_mm")?.as_f64()?;
-    let loss = draft.operating_clearance().map(|of| of.shaft_fit_um + of.housing_fit_um + of.temperature_um);
-    Some(BoreAndLoss { bore_mm, loss_um: loss.unwrap_or(0.0) })
-}
-
 /// The metrics of a request. Unless it names parts of the metrics, only those that contain them are computed.
 fn metrics(input: &mut JobInput, defaults: &mut Defaults) -> Vec<String> {
     let metrics = defaults.fill("/metrics", &mut input.metrics, vec![LEVEL.to_owned()]);
@@ -151,26 +97,6 @@ fn metrics(input: &mut JobInput, defaults: &mut Defaults) -> Vec<String> {
         defaults.refuse("/outputs/metrics", format!("must contain `{}`, a part of `metrics`", part.name()));
     }
     metrics
-}
-
-/// The request whose simulations are varied: with the parts of the metrics, and without a clearance group where another one is sampled.
-pub fn varied_request(request: &Value, parts: Value, inputs: &[Sampled]) -> Value {
-    let mut request = request.clone();
-    if let Value::Object(fields) = &mut request {
-        let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
-        if let Value::Object(outputs) = outputs {
-            outputs.entry("metrics").or_insert(parts);
-        }
-    }
-    if inputs.iter().any(|input| input.varied.name == CLEARANCE)
-        && let Some(Value::Object(bearing)) = request.pointer_mut("/scene/bearing")
-    {
-        // Their loss is part of the sampled clearance; without a group they are refused.
-        for field in ["radial_clearance_group", "fits", "temperatures"] {
-            bearing.remove(field);
-        }
-    }
-    request
 }
 
 impl Uncertainty {
@@ -256,17 +182,5 @@ impl Uncertainty {
             "seed": self.plan.seed,
             "metrics": self.metrics,
         })
-    }
-}
-
-/// Refuses inputs whose field the scene does not have.
-fn check_inputs(inputs: &[Sampled], variation: &Variation) -> Result<(), Refusal> {
-    let refused = |varied: &Varied| variation.refuses(varied);
-    let errors = inputs.iter().enumerate().filter_map(|(place, input)| {
-        refused(&input.varied).map(|detail| FieldError::new(format!("/inputs/{place}/path"), detail))
-    });
-    match errors.collect::<Vec<_>>() {
-        errors if errors.is_empty() => Ok(()),
-        errors => Err(Refusal::Invalid { errors }),
     }
 }
