@@ -234,9 +234,15 @@ async fn plot(
     _: Query<NoQuery>,
 ) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[SVG])?;
-    let known =
-        [plots::OF_SIMULATION, plots::OF_ROTOR, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY, plots::OF_UNCERTAINTY]
-            .concat();
+    let known = [
+        plots::OF_SIMULATION,
+        plots::OF_ROTOR,
+        plots::OF_ACCURACY,
+        plots::OF_OPTIMUM,
+        plots::OF_STUDY,
+        plots::OF_UNCERTAINTY,
+    ]
+    .concat();
     if known.contains(&file.as_str()) {
         return Ok(StatusCode::OK);
     }

@@ -339,10 +339,7 @@ impl Links {
             table: link("table", JobKind::has_points(kind)),
             trend_svg: link("plots/trend.svg", axes == 1),
             map_svg: link("plots/map.svg", axes == 2),
-            resume: link(
-                "resume",
-                JobKind::has_points(kind) && matches!(status, Status::Cancelled | Status::Failed),
-            ),
+            resume: link("resume", JobKind::has_points(kind) && matches!(status, Status::Cancelled | Status::Failed)),
             uncertainty: link("uncertainty", kind == JobKind::Uncertainty.name()),
             uncertainty_svg: link("plots/uncertainty.svg", kind == JobKind::Uncertainty.name()),
             optimum: link("optimum", succeeded(JobKind::Optimum)),

@@ -18,9 +18,7 @@ use super::openapi::{
 use super::request::{JobId, NoQuery, Query, negotiated};
 use super::stored_answer::{CSV, JSON, formatted, json_text, read, respond};
 use crate::contract::answer::csv;
-use crate::contract::{
-    self, Job, JobKind, PointEnd, PointStatus, Row, Study, TableAnswer, UncertaintyAnswer, Uploads,
-};
+use crate::contract::{self, Job, JobKind, PointEnd, PointStatus, Row, Study, TableAnswer, UncertaintyAnswer, Uploads};
 use crate::jobs::{JobError, StoredPoint, decompressed};
 
 /// Get the table of a study or an uncertainty job

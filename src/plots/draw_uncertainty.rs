@@ -13,12 +13,8 @@ pub fn histograms(answer: &UncertaintyAnswer) -> String {
     let panels: Vec<SpreadPanel> = answer.metrics.iter().map(|(metric, spread)| panel(metric, spread)).collect();
     let inputs = if answer.inputs.len() == 1 { "input" } else { "inputs" };
     let failed = if answer.failed == 0 { String::new() } else { format!(", {} failed", answer.failed) };
-    let subtitle = format!(
-        "{} uncertain {inputs}; {} of {} points{failed}",
-        answer.inputs.len(),
-        answer.ended,
-        answer.points
-    );
+    let subtitle =
+        format!("{} uncertain {inputs}; {} of {} points{failed}", answer.inputs.len(), answer.ended, answer.points);
     uncertainty_svg("Uncertainty", &subtitle, &panels)
 }
 

@@ -27,11 +27,18 @@ fn an_uncertainty_job_over_http() {
     let server = start();
     let path = server.submit(&uncertain(16));
     let job = server.wait_for(&path, &["succeeded", "failed"]);
-    assert_eq!((&job["status"], &job["progress"], &job["kind"]), (&json!("succeeded"), &json!(1.0), &json!("uncertainty")));
-    for (name, place) in [("uncertainty", "uncertainty"), ("uncertainty_svg", "plots/uncertainty.svg"), ("table", "table")] {
+    assert_eq!(
+        (&job["status"], &job["progress"], &job["kind"]),
+        (&json!("succeeded"), &json!(1.0), &json!("uncertainty"))
+    );
+    for (name, place) in
+        [("uncertainty", "uncertainty"), ("uncertainty_svg", "plots/uncertainty.svg"), ("table", "table")]
+    {
         assert_eq!(job["links"][name], format!("{path}/{place}"));
     }
-    assert!(job["links"]["trend_svg"].is_null() && job["links"]["metrics"].is_null() && job["links"]["resume"].is_null());
+    assert!(
+        job["links"]["trend_svg"].is_null() && job["links"]["metrics"].is_null() && job["links"]["resume"].is_null()
+    );
     let answer = server.get(&format!("{path}/uncertainty")).json();
     assert_eq!((&answer["points"], &answer["ended"], &answer["failed"]), (&json!(17), &json!(17), &json!(0)));
     assert_eq!((&answer["samples"], &answer["design"], &answer["seed"]), (&json!(16), &json!("sobol"), &json!(1)));

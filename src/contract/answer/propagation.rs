@@ -323,7 +323,8 @@ fn energy_mean(levels: &[f64]) -> f64 {
 
 fn percentile_of(sorted: &[f64], of: u32) -> Option<PercentileAnswer> {
     let share = f64::from(of) / 100.0;
-    let [from, to] = interval_ranks(sorted.len(), share).map(|rank| rank.and_then(|rank| sorted.get(rank - 1).copied()));
+    let [from, to] =
+        interval_ranks(sorted.len(), share).map(|rank| rank.and_then(|rank| sorted.get(rank - 1).copied()));
     Some(PercentileAnswer { percentile: of, value: percentile(sorted, share)?, from, to })
 }
 
@@ -334,7 +335,8 @@ fn sensitivity(
     of_distribution: usize,
 ) -> Option<SensitivityAnswer> {
     let bases: Vec<_> = job.inputs.iter().map(|input| input.basis()).collect();
-    let known = job.cube.iter().zip(&found[..of_distribution]).filter_map(|(point, value)| Some((&**point, (*value)?.0)));
+    let known =
+        job.cube.iter().zip(&found[..of_distribution]).filter_map(|(point, value)| Some((&**point, (*value)?.0)));
     let (points, values): (Vec<&[f64]>, Vec<f64>) = known.unzip();
     let Expansion { degree, q2, inputs } = expansion(&bases, &points, &values, job.plan.seed)?;
     let all: Vec<Option<f64>> = found.iter().map(|value| value.map(|(value, _)| value)).collect();

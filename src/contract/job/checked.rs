@@ -42,11 +42,7 @@ impl Job {
             JobKind::Accuracy if request.pointer("/scene/shaft").is_some() => {
                 ModeComparison::of(request, uploads).map(|job| Self::Modes(Box::new(job)))
             }
-            JobKind::Simulation
-            | JobKind::Study
-            | JobKind::Optimum
-            | JobKind::Uncertainty
-            | JobKind::Accuracy => {
+            JobKind::Simulation | JobKind::Study | JobKind::Optimum | JobKind::Uncertainty | JobKind::Accuracy => {
                 with_single_bearing(request, |request| Self::of_one_bearing(kind, request, uploads))
             }
             JobKind::Rotor => RotorJob::of(request, uploads).map(|job| Self::Rotor(Box::new(job))),

@@ -329,10 +329,10 @@ impl DistributionInput {
                 }
                 let distribution = Distribution::Normal { mean, standard_deviation: deviation, limits };
                 let side = |limit: Option<f64>, side: &str| limit.map(|limit| format!("{side} {}", short(limit)));
-                let cut: Vec<String> = [side(self.from, "below"), side(self.to, "above")].into_iter().flatten().collect();
+                let cut: Vec<String> =
+                    [side(self.from, "below"), side(self.to, "above")].into_iter().flatten().collect();
                 let cut = if cut.is_empty() { "not cut".to_owned() } else { format!("cut {}", cut.join(" and ")) };
-                let text =
-                    format!("normal, mean {}, standard deviation {}, {cut}", short(mean), short(deviation));
+                let text = format!("normal, mean {}, standard deviation {}, {cut}", short(mean), short(deviation));
                 Some((distribution, distribution.quantile(0.5), text))
             }
             DistributionName::Triangular => {
@@ -347,9 +347,7 @@ impl DistributionInput {
                 let text = format!("triangular, {} over {} to {}", short(from), short(mode), short(to));
                 Some((distribution, distribution.quantile(0.5), text))
             }
-            DistributionName::Lognormal if mean <= 0.0 => {
-                refuse("mean", format!("{}: must be above 0", short(mean)))
-            }
+            DistributionName::Lognormal if mean <= 0.0 => refuse("mean", format!("{}: must be above 0", short(mean))),
             DistributionName::Lognormal => {
                 let distribution = Distribution::Lognormal { mean, standard_deviation: deviation };
                 let text = format!("lognormal, mean {}, standard deviation {}", short(mean), short(deviation));
@@ -397,7 +395,10 @@ impl DistributionInput {
         }
         let weights = self.weights.unwrap_or_else(|| vec![1.0; count]);
         if weights.len() != count {
-            return refuse("weights".to_owned(), format!("{} weights: must be {count}, one for each value", weights.len()));
+            return refuse(
+                "weights".to_owned(),
+                format!("{} weights: must be {count}, one for each value", weights.len()),
+            );
         }
         if let Some(place) = weights.iter().position(|weight| !(1e-6..=1e6).contains(weight)) {
             let detail = format!("{}: must be from 1e-6 to 1e6", short(weights[place]));

@@ -62,15 +62,8 @@ pub const FIELDS_OF_SOME_KINDS: [&str; 11] = [
 ];
 
 impl JobKind {
-    pub const ALL: [Self; 7] = [
-        Self::Simulation,
-        Self::Study,
-        Self::Optimum,
-        Self::Uncertainty,
-        Self::Accuracy,
-        Self::Rotor,
-        Self::Machine,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Simulation, Self::Study, Self::Optimum, Self::Uncertainty, Self::Accuracy, Self::Rotor, Self::Machine];
 
     pub fn name(self) -> &'static str {
         match self {

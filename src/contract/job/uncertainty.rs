@@ -58,7 +58,8 @@ impl SamplePlan {
         let is_in_range = defaults.errors.len() == known;
         if is_in_range && design.in_core().takes_powers_of_two() && !samples.is_power_of_two() {
             let (below, above) = (samples.next_power_of_two() / 2, samples.next_power_of_two());
-            let detail = format!("{samples}: must be a power of two, such as {below} or {above}; or use `latin_hypercube`");
+            let detail =
+                format!("{samples}: must be a power of two, such as {below} or {above}; or use `latin_hypercube`");
             defaults.refuse("/samples", detail);
         }
         let runs = design.in_core().points(inputs, samples as usize);
@@ -88,7 +89,8 @@ fn metrics(input: &mut JobInput, defaults: &mut Defaults) -> Vec<String> {
             Some(_) => {}
             None => {
                 let metric: String = metric.chars().take(100).collect();
-                defaults.refuse(pointer, format!("unknown metric `{metric}`; metrics are, for example, {}", examples()));
+                defaults
+                    .refuse(pointer, format!("unknown metric `{metric}`; metrics are, for example, {}", examples()));
             }
         }
     }
@@ -144,7 +146,8 @@ impl Uncertainty {
         for (place, input) in self.inputs.iter().enumerate() {
             for value in self.outermost(place) {
                 let others = self.inputs.iter().filter(|other| other.varied != input.varied);
-                let values = others.map(|other| (&other.varied, other.nominal())).chain([(&input.varied, value.clone())]);
+                let values =
+                    others.map(|other| (&other.varied, other.nominal())).chain([(&input.varied, value.clone())]);
                 let Err(Refusal::Invalid { errors }) = self.study.scene(values) else { continue };
                 let Some(error) = errors.first() else { continue };
                 let detail = format!("at the sampled value {value}: {}", input.varied.message(error));

@@ -47,7 +47,9 @@ fn rows(job: &Uncertainty, level: impl Fn(usize) -> Option<f64>, error: f64) -> 
         let end = match level(point) {
             Some(level) => PointEnd::Succeeded(json!({ "channels": { "spindle.y.acceleration":
                 { "level_db": level, "level_error_db": error, "level_scatter_db": 0.0 } } })),
-            None => serde_json::from_value(json!({ "cause": "did-not-converge", "detail": "none" })).map(PointEnd::Failed).unwrap(),
+            None => serde_json::from_value(json!({ "cause": "did-not-converge", "detail": "none" }))
+                .map(PointEnd::Failed)
+                .unwrap(),
         };
         Row::queued(&job.study, point).ended(end)
     };
@@ -97,7 +99,10 @@ fn every_distribution_has_its_nominal_value_and_assumption() {
     assert!((nominal.as_f64().unwrap() - 0.6 / 1.01_f64.sqrt()).abs() < 1e-6, "{nominal}");
     let (nominal, assumption) =
         found(json!({ "type": "normal", "mean": 0.6, "standard_deviation": 0.5, "from": 0.3, "to": 0.9 }));
-    assert_eq!((nominal, &*assumption), (json!(0.6), "normal, mean 0.6, standard deviation 0.5, cut below 0.3 and above 0.9"));
+    assert_eq!(
+        (nominal, &*assumption),
+        (json!(0.6), "normal, mean 0.6, standard deviation 0.5, cut below 0.3 and above 0.9")
+    );
 }
 
 /// Bore 25 mm: CN is 5 to 20 µm.
@@ -115,8 +120,15 @@ fn a_clearance_group_is_normal_between_its_limits_less_fits() {
     // 0.804 of the interference.
     let loss = 12.5 - fitted.inputs[0].nominal().as_f64().unwrap();
     assert!((loss - 4.02).abs() < 0.01, "{loss}");
-    assert!(fitted.inputs[0].assumption.ends_with("less 4.019 µm by fits and temperatures"), "{}", fitted.inputs[0].assumption);
-    assert_eq!(fitted.study.point(1).unwrap().scene_json()["bearing"]["radial_clearance_um"], *fitted.study.values(1)[0]);
+    assert!(
+        fitted.inputs[0].assumption.ends_with("less 4.019 µm by fits and temperatures"),
+        "{}",
+        fitted.inputs[0].assumption
+    );
+    assert_eq!(
+        fitted.study.point(1).unwrap().scene_json()["bearing"]["radial_clearance_um"],
+        *fitted.study.values(1)[0]
+    );
 }
 
 #[test]
@@ -124,17 +136,26 @@ fn wrong_inputs_are_refused_at_their_place() {
     let cases = [
         (json!({ "type": "uniform", "from": 1 }), "/inputs/0/distribution/to: required by `uniform`, but missing"),
         (json!({ "type": "uniform", "from": 1, "to": 1 }), "/inputs/0/distribution/to: 1: must be above `from`, 1"),
-        (json!({ "type": "uniform", "from": 0.1, "to": 1, "mean": 1 }), "/inputs/0/distribution/mean: `uniform` takes from and to"),
+        (
+            json!({ "type": "uniform", "from": 0.1, "to": 1, "mean": 1 }),
+            "/inputs/0/distribution/mean: `uniform` takes `from`, `to`",
+        ),
         (json!({ "type": "normal", "mean": 1, "standard_deviation": 0 }), "standard_deviation: 0: must be above 0"),
         (json!({ "type": "normal", "mean": 1, "standard_deviation": 1, "from": 2 }), "mean: 1: must lie between"),
-        (json!({ "type": "normal", "mean": 0.1, "standard_deviation": 0.1 }), "/inputs/0/distribution: at the sampled value -"),
+        (
+            json!({ "type": "normal", "mean": 0.1, "standard_deviation": 0.1 }),
+            "/inputs/0/distribution: at the sampled value -",
+        ),
         (json!({ "type": "lognormal", "mean": -1, "standard_deviation": 1 }), "mean: -1: must be above 0"),
         (json!({ "type": "tolerance", "nominal": 1, "plus": 0.1, "minus": -0.2 }), "plus: 0.1: the upper limit"),
         (json!({ "type": "discrete", "values": [1] }), "values: 1 values: must be from 2 to 16"),
         (json!({ "type": "discrete", "values": [1, 1] }), "values/1: given more than once"),
         (json!({ "type": "discrete", "values": [1, 2], "weights": [1] }), "weights: 1 weights: must be 2"),
         (json!({ "type": "discrete", "values": [1, 2], "weights": [1, 0] }), "weights/1: 0: must be from 1e-6 to 1e6"),
-        (json!({ "type": "clearance_group", "group": "CN" }), "`clearance_group` describes `/bearing/radial_clearance_um`"),
+        (
+            json!({ "type": "clearance_group", "group": "CN" }),
+            "`clearance_group` describes `/bearing/radial_clearance_um`",
+        ),
         (json!({ "type": "gaussian", "mean": 1 }), "/inputs/0/distribution/type"),
         (json!([1]), "/inputs/0/distribution"),
     ];
@@ -213,7 +234,10 @@ fn failed_points_large_errors_and_noise_are_told() {
     assert_eq!((found.failed, spread(&found).without_value, spread(&found).nominal), (5, 4, None));
     assert_eq!(codes(&found), ["failed-samples"]);
     let found = answer(&job, |point| Some(mass(point)), 0.04);
-    assert_eq!((spread(&found).verdict, codes(&found)), (SpreadVerdict::SpreadNotResolved, vec!["spread-not-resolved".to_owned()]));
+    assert_eq!(
+        (spread(&found).verdict, codes(&found)),
+        (SpreadVerdict::SpreadNotResolved, vec!["spread-not-resolved".to_owned()])
+    );
     assert!(found.messages[0].text.contains("0.04"), "{}", found.messages[0].text);
     // Values that have nothing to do with the inputs.
     let noise = |point: usize| Some(60.0 + ((point * 7919) % 101) as f64 / 100.0);
@@ -245,6 +269,9 @@ fn pairs_have_total_shares_and_words_have_no_sign() {
     let ranking = spread(&found).sensitivity.as_ref().unwrap();
     let [mass, ball] = [&ranking.inputs[0], &ranking.inputs[1]];
     assert!((mass.share - 0.5).abs() < 0.1 && ball.share.abs() < 0.1, "{ranking:?}");
-    assert!((mass.total_share.unwrap() - 1.0).abs() < 0.1 && (ball.total_share.unwrap() - 0.5).abs() < 0.1, "{ranking:?}");
+    assert!(
+        (mass.total_share.unwrap() - 1.0).abs() < 0.1 && (ball.total_share.unwrap() - 0.5).abs() < 0.1,
+        "{ranking:?}"
+    );
     assert_eq!((mass.sign, ball.sign), (Some(1), None));
 }

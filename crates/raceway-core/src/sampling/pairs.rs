@@ -19,7 +19,8 @@ pub struct PairShares {
 /// The shares of each input from values in the order of the design's points; rows with a value missing are left out. `None` where fewer
 /// than two rows are complete, or all values are equal.
 pub fn pair_shares(values: &[Option<f64>], inputs: usize, samples: usize, seed: u64) -> Option<Vec<PairShares>> {
-    let row = |row: usize| -> Option<Vec<f64>> { (0..inputs + 2).map(|set| *values.get(set * samples + row)?).collect() };
+    let row =
+        |row: usize| -> Option<Vec<f64>> { (0..inputs + 2).map(|set| *values.get(set * samples + row)?).collect() };
     let rows: Vec<Vec<f64>> = (0..samples).filter_map(row).collect();
     let all: Vec<usize> = (0..rows.len()).collect();
     if rows.len() < 2 {
@@ -49,9 +50,8 @@ fn of_rows(rows: &[Vec<f64>], drawn: &[usize], inputs: usize) -> Option<Vec<[f64
     let both: Vec<f64> = drawn.iter().flat_map(|row| rows[*row][..2].iter().copied()).collect();
     let middle = mean(&both);
     let variance = mean(&both.iter().map(|value| (value - middle).powi(2)).collect::<Vec<_>>());
-    let over_variance = |of: &dyn Fn(&[f64]) -> f64| {
-        mean(&drawn.iter().map(|row| of(&rows[*row])).collect::<Vec<_>>()) / variance
-    };
+    let over_variance =
+        |of: &dyn Fn(&[f64]) -> f64| mean(&drawn.iter().map(|row| of(&rows[*row])).collect::<Vec<_>>()) / variance;
     let share = |input| {
         let first = over_variance(&|row| (row[1] - middle) * (row[2 + input] - row[0]));
         [first, over_variance(&|row| 0.5 * f64::powi(row[0] - row[2 + input], 2))]

@@ -18,7 +18,8 @@ fn uniform(from: f64, to: f64, inputs: usize) -> Vec<Distribution> {
 }
 
 fn values(points: &[Vec<f64>], inputs: &[Distribution], f: impl Fn(&[f64]) -> f64) -> Vec<f64> {
-    let at = |point: &Vec<f64>| inputs.iter().zip(point).map(|(input, share)| input.quantile(*share)).collect::<Vec<_>>();
+    let at =
+        |point: &Vec<f64>| inputs.iter().zip(point).map(|(input, share)| input.quantile(*share)).collect::<Vec<_>>();
     points.iter().map(|point| f(&at(point))).collect()
 }
 
@@ -59,7 +60,8 @@ fn a_linear_sum_is_explained_completely() {
 
 #[test]
 fn percentiles_of_a_sum_of_normal_inputs() {
-    let normal = Distribution::Normal { mean: 0.0, standard_deviation: 1.0, limits: [f64::NEG_INFINITY, f64::INFINITY] };
+    let normal =
+        Distribution::Normal { mean: 0.0, standard_deviation: 1.0, limits: [f64::NEG_INFINITY, f64::INFINITY] };
     for (design, tolerance) in [(Design::Sobol, 0.04), (Design::LatinHypercube, 0.1)] {
         let sample = |seed| values(&design.cube(2, 1024, seed), &[normal; 2], |n| 10.0 + 3.0 * n[0] + 4.0 * n[1]);
         let samples: Vec<Vec<f64>> = (0..SEEDS).map(|seed| sorted(sample(seed))).collect();
@@ -188,7 +190,9 @@ fn noise_alone_is_not_explained() {
 
 #[test]
 fn quantiles_of_the_distributions() {
-    let close = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found} {expected}");
+    let close = |found: f64, expected: f64| {
+        assert!((found - expected).abs() < 1e-9 * expected.abs().max(1.0), "{found} {expected}")
+    };
     // Abramowitz & Stegun, table 26.5, and one far out.
     close(normal_quantile(0.975), 1.959_963_984_540_054);
     close(normal_quantile(0.1), -1.281_551_565_544_600_5);
