@@ -47,7 +47,7 @@ impl From<JobKindName> for JobKind {
 }
 
 /// Fields of a job that only some kinds take.
-pub const FIELDS_OF_SOME_KINDS: [&str; 11] = [
+pub const FIELDS_OF_SOME_KINDS: [&str; 12] = [
     "axes",
     "metric",
     "goal",
@@ -56,6 +56,7 @@ pub const FIELDS_OF_SOME_KINDS: [&str; 11] = [
     "design",
     "seed",
     "metrics",
+    "statistic",
     "methods",
     "relative_tolerances",
     "repetitions",
@@ -87,7 +88,7 @@ impl JobKind {
         match self {
             Self::Simulation | Self::Rotor | Self::Machine => &[],
             Self::Study => &["axes"],
-            Self::Optimum => &["axes", "metric", "goal"],
+            Self::Optimum => &["axes", "metric", "goal", "inputs", "samples", "seed", "statistic"],
             Self::Uncertainty => &["inputs", "samples", "design", "seed", "metrics"],
             Self::Accuracy => &["methods", "relative_tolerances", "repetitions"],
         }

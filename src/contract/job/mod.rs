@@ -15,7 +15,9 @@ pub mod uncertainty;
 pub mod design;
 pub mod distribution;
 mod metric;
+pub mod robust;
 mod sampled_inputs;
+pub mod statistic;
 
 mod many_runs;
 mod range;

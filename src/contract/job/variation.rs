@@ -23,7 +23,7 @@ pub struct Variation {
 }
 
 /// Fields of a request that its simulations do not have.
-const FIELDS_OF_WHOLE_JOB: [&str; 12] = [
+const FIELDS_OF_WHOLE_JOB: [&str; 13] = [
     "axes",
     "metric",
     "goal",
@@ -32,6 +32,7 @@ const FIELDS_OF_WHOLE_JOB: [&str; 12] = [
     "design",
     "seed",
     "metrics",
+    "statistic",
     "labels",
     "priority",
     "reuse",

@@ -39,13 +39,14 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
 
 /// Limits of fields of the job.
-const OF_A_JOB: [FieldLimits; 35] = [
+const OF_A_JOB: [FieldLimits; 36] = [
     DURATION,
     from("/settle_s", 0.0, 1000.0, "s"),
     from("/priority", 1.0, 4.0, ""),
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/repetitions", 1.0, MAX_REPETITIONS as f64, ""),
     from("/samples", MIN_SAMPLES as f64, MAX_SAMPLES as f64, ""),
+    from("/statistic/percentile", 1.0, 99.0, "%"),
     from("/inputs/distribution/from", -LARGEST, LARGEST, ""),
     from("/inputs/distribution/to", -LARGEST, LARGEST, ""),
     from("/inputs/distribution/mean", -LARGEST, LARGEST, ""),

@@ -118,6 +118,7 @@ fn kinds_take_what_their_schemas_say() {
                 "metric" | "goal" => json!("minimum"),
                 "design" => json!("sobol"),
                 "samples" => json!(64),
+                "statistic" => json!("mean"),
                 "repetitions" | "seed" => json!(1),
                 _ => json!([]),
             };

@@ -7,6 +7,7 @@ pub mod design;
 mod sobol;
 
 pub mod order_statistics;
+pub mod statistic;
 
 pub mod basis;
 pub mod expansion;
