@@ -214,14 +214,14 @@ fn a_robust_optimum_avoids_a_narrow_valley() {
         at(&nominal)
     );
     let found = with_valleys(&robust(json!({ "percentile": 90 })));
-    assert!((at(&found) - 3.0).abs() < 0.06, "{}", at(&found));
+    assert!((at(&found) - 3.0).abs() < 0.08, "{}", at(&found));
     assert!(
         (found.value - 4.45).abs() < 0.03 && found.error.is_some_and(|error| error < 0.1),
         "{} {:?}",
         found.value,
         found.error
     );
-    assert!((found.nominal.unwrap() - 4.0).abs() < 0.06, "{:?}", found.nominal);
+    assert!((found.nominal.unwrap() - 4.0).abs() < 0.08, "{:?}", found.nominal);
     assert!(!found.repeated.is_empty() && found.repeated.len() <= 3);
     let runs = 32 * found.evaluations.len() + 256 * found.repeated.len() + 1;
     assert_eq!(found.runs, runs as u64);
