@@ -152,10 +152,18 @@ pub struct InputShareAnswer {
     /// Path into the scene, or quantity.
     #[schema(example = "/spindle/mass_kg")]
     pub input: String,
-    /// Share of the variance that the input explains alone (first-order Sobol index): by the expansion, of `pairs` by the pairs.
+    /// Share of the variance that the input explains alone (first-order Sobol index), by the expansion.
     pub share: f64,
     /// Bootstrap interval of the share, 95 %.
     pub share_interval: [f64; 2],
+    /// The same share by the pairs, which suppose no form of the metric and scatter more; `pairs` only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub pair_share: Option<f64>,
+    /// Bootstrap interval of this share, 95 %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub pair_share_interval: Option<[f64; 2]>,
     /// Share of the variance that remains while only this input is unknown (total Sobol index); `pairs` only.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -347,8 +355,10 @@ fn sensitivity(
         let of: Option<&PairShares> = pairs.as_ref().and_then(|pairs| pairs.get(place));
         InputShareAnswer {
             input: job.inputs[place].varied.name.clone(),
-            share: of.map_or(own.share, |pair| pair.first),
-            share_interval: of.map_or(own.interval, |pair| pair.first_interval),
+            share: own.share,
+            share_interval: own.interval,
+            pair_share: of.map(|pair| pair.first),
+            pair_share_interval: of.map(|pair| pair.first_interval),
             total_share: of.map(|pair| pair.total),
             total_share_interval: of.map(|pair| pair.total_interval),
             sign: job.inputs[place].is_ordered().then(|| if own.slope < 0.0 { -1 } else { 1 }),
