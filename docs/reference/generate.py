@@ -13,11 +13,12 @@ import sys
 HERE = pathlib.Path(__file__).resolve().parent
 DOCUMENT = HERE.parents[1] / "openapi" / "openapi.json"
 NOTICE = "<!-- Written by docs/reference/generate.py from openapi/openapi.json. Change the schema, not this page. -->\n"
-KINDS = ("simulation", "study", "optimum", "accuracy")
+KINDS = ("simulation", "study", "optimum", "uncertainty", "accuracy")
 
 # Schemas of the answers that results.md lists, with the address of each.
 ANSWERS = {
     "Metrics": "`GET /v1/jobs/{id}/metrics`, and `metrics` of a finished job",
+    "UncertaintyAnswer": "`GET /v1/jobs/{id}/uncertainty`",
     "OrdersAnswer": "`GET /v1/jobs/{id}/orders`",
     "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
     "MeasurementComparison": "`POST /v1/jobs/{id}/comparison`",
@@ -215,7 +216,7 @@ def objects(schemas, names):
 def results(schemas):
     yield "# Results\n\n" + NOTICE + """
 Fields of the metrics. A field that the request did not ask for, or that cannot be stated, is absent.
-Table and best points of a study, and the answer of an optimum: [run a study or find an optimum](../how-to/run-a-study-or-find-an-optimum.md). `GET /docs` has all answers with examples.
+Table and best points of a study, and the answer of an optimum: [run a study or find an optimum](../how-to/run-a-study-or-find-an-optimum.md). The answer of an uncertainty job: [find the spread of a level](../how-to/find-the-spread-of-a-level.md). `GET /docs` has all answers with examples.
 """
     done = set(ELSEWHERE)
     for root, place in ANSWERS.items():

@@ -73,6 +73,14 @@ fn accepted(job: &Job) {
                 }
             }
         }
+        Job::Uncertainty(uncertainty) => {
+            let study = &uncertainty.study;
+            for point in [0, study.points / 2, study.points - 1] {
+                if let Err(refusal) = study.point(point) {
+                    refused(&refusal);
+                }
+            }
+        }
         Job::Optimum(search) => assert!(search.most_runs() > 0),
         // Rotors and machines have no scene to resolve, and were left above.
         Job::Simulation(_) | Job::Accuracy(_) | Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => {}
@@ -141,7 +149,7 @@ fn ten_steps(job: &Job) {
 
 /// The first 5 ms of wall time of a whole run, as a worker executes it, reduced models included.
 fn run(job: &Job) {
-    if matches!(job, Job::Study(_)) {
+    if matches!(job, Job::Study(_) | Job::Uncertainty(_)) {
         return;
     }
     let begin = Instant::now();

@@ -7,7 +7,7 @@ use raceway::contract::parse_job;
 use serde_json::{Map, Number, Value, json};
 
 /// Valid jobs, with which the corpus begins.
-const SEEDS: [&str; 13] = [
+const SEEDS: [&str; 14] = [
     include_str!("../corpus/job/accuracy.json"),
     include_str!("../corpus/job/angular.json"),
     include_str!("../corpus/job/article.json"),
@@ -21,6 +21,7 @@ const SEEDS: [&str; 13] = [
     include_str!("../corpus/job/reduced.json"),
     include_str!("../corpus/job/short.json"),
     include_str!("../corpus/job/study.json"),
+    include_str!("../corpus/job/uncertainty.json"),
 ];
 
 /// The values that may stand at each path of a job.

@@ -154,7 +154,7 @@ async fn answer(
     made: Option<Result<Submitted, JobError>>,
     key: Option<IdempotencyKey>,
 ) -> (ItemAnswer, Option<(&'static str, Left)>) {
-    let kind = job.as_ref().map_or(JOBS, |job| if job.is_study() { POINTS } else { JOBS });
+    let kind = job.as_ref().map_or(JOBS, |job| if job.points().is_some() { POINTS } else { JOBS });
     let submitted = async {
         let submitted = match made {
             Some(made) => made?,

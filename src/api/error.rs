@@ -343,6 +343,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
                 "accuracy" => "…/accuracy and …/plots/work-precision.svg",
                 "optimum" => "…/optimum and …/plots/optimum.svg",
                 "study" => "…/table, …/plots/trend.svg and …/plots/map.svg",
+                "uncertainty" => "…/uncertainty, …/table and …/plots/uncertainty.svg",
                 "rotor" => "…/rotor, …/rotor.py, …/plots/campbell.svg and …/plots/shapes.svg",
                 "machine" => "…/machine, …/spectrum and …/plots/spectrum.svg",
                 _ => "…/metrics, …/spectrum, …/series and …/plots/spectrum.svg",
@@ -351,7 +352,7 @@ fn of_job(error: &JobError) -> (StatusCode, Problem) {
             of(S::CONFLICT, "no-result", "Jobs of this kind have no such result", detail)
         }
         JobError::NoStudy { kind } => {
-            let detail = format!("only studies can be resumed; the job is of kind `{kind}`");
+            let detail = format!("only studies and uncertainty jobs can be resumed; the job is of kind `{kind}`");
             of(S::CONFLICT, "conflict", "The job is not a study", detail)
         }
         JobError::CannotResume(status) => {

@@ -150,7 +150,7 @@ impl Follower {
 
     /// Returns whether the stored record may be newer than the last read one.
     fn is_stale(&self) -> bool {
-        let runs_here = self.record.kind != JobKind::Study.name() && self.app.jobs.view(self.id).is_some();
+        let runs_here = !JobKind::has_points(&self.record.kind) && self.app.jobs.view(self.id).is_some();
         let has_started = runs_here && self.record.status == Status::Queued;
         has_started
             || self.read_at.elapsed() >= if runs_here { RECORD_POLL_INTERVAL_OF_RUN } else { RECORD_POLL_INTERVAL }
@@ -176,7 +176,7 @@ fn id_of(record: &JobRecord, view: Option<&View>) -> String {
 
 fn phase(record: &JobRecord, view: Option<&View>) -> &'static str {
     match (record.status, view.and_then(|view| view.phase)) {
-        (Status::Running, _) if record.kind == JobKind::Study.name() => "computing",
+        (Status::Running, _) if JobKind::has_points(&record.kind) => "computing",
         (Status::Running, Some(Phase::Checking)) => "checking",
         (Status::Running, Some(Phase::Settling)) => "settling",
         (Status::Running, Some(Phase::Recording)) => "recording",

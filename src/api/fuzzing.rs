@@ -97,7 +97,7 @@ fn router() -> Router {
         .route("/v1/scenes/resolve", post(resolve))
         .route("/v1/catalogue", get(scenes::catalogue))
         .route("/portal/{*file}", get(portal::file));
-    for result in ["metrics", "channels", "accuracy", "optimum", "rotor", "machine"] {
+    for result in ["metrics", "channels", "accuracy", "optimum", "uncertainty", "rotor", "machine"] {
         router = router.route(&format!("/v1/jobs/{{id}}/{result}"), get(with_job));
     }
     for action in ["cancel", "resume"] {
@@ -246,8 +246,15 @@ async fn plot(
     _: Query<NoQuery>,
 ) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[SVG])?;
-    let known =
-        [plots::OF_SIMULATION, plots::OF_ROTOR, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
+    let known = [
+        plots::OF_SIMULATION,
+        plots::OF_ROTOR,
+        plots::OF_ACCURACY,
+        plots::OF_OPTIMUM,
+        plots::OF_STUDY,
+        plots::OF_UNCERTAINTY,
+    ]
+    .concat();
     if known.contains(&file.as_str()) {
         return Ok(StatusCode::OK);
     }

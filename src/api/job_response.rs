@@ -152,6 +152,14 @@ pub struct Links {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resume: Option<String>,
+    /// Distribution of the metrics of an uncertainty job, from the points that have been computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub uncertainty: Option<String>,
+    /// Histograms and ranking of an uncertainty job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub uncertainty_svg: Option<String>,
     /// Result of an optimum job.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -328,13 +336,12 @@ impl Links {
             acceleration_svg: link("plots/acceleration.svg", drawn),
             orbit_svg: link("plots/orbit.svg", drawn),
             loads_svg: link("plots/loads.svg", drawn && contacts),
-            table: link("table", kind == JobKind::Study.name()),
+            table: link("table", JobKind::has_points(kind)),
             trend_svg: link("plots/trend.svg", axes == 1),
             map_svg: link("plots/map.svg", axes == 2),
-            resume: link(
-                "resume",
-                kind == JobKind::Study.name() && matches!(status, Status::Cancelled | Status::Failed),
-            ),
+            resume: link("resume", JobKind::has_points(kind) && matches!(status, Status::Cancelled | Status::Failed)),
+            uncertainty: link("uncertainty", kind == JobKind::Uncertainty.name()),
+            uncertainty_svg: link("plots/uncertainty.svg", kind == JobKind::Uncertainty.name()),
             optimum: link("optimum", succeeded(JobKind::Optimum)),
             optimum_svg: link("plots/optimum.svg", succeeded(JobKind::Optimum)),
             accuracy: link("accuracy", compared),

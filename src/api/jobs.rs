@@ -77,7 +77,7 @@ pub async fn submit(
         app.access.rates.charge(&owner, job.cost());
     }
     let Submitted { record, replayed, left } = app.jobs.submit(&job, &owner.0, key).await?;
-    let left = Extension(LeftPlaces(vec![(if job.is_study() { POINTS } else { JOBS }, left)]));
+    let left = Extension(LeftPlaces(vec![(if job.points().is_some() { POINTS } else { JOBS }, left)]));
     tracing::debug!(job = %record.id, replayed, "accepted");
     let replayed = replayed.then_some((IDEMPOTENT_REPLAYED, HeaderValue::from_static("true")));
     let headers: HeaderMap = replayed.into_iter().chain([(LOCATION, text(path_of(record.id)))]).collect();

@@ -15,7 +15,7 @@ use super::openapi::{self, Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Un
 use super::orders::{OrdersQuery, WaterfallQuery, orders_of, waterfall_of};
 use super::request::{JobId, NoQuery, PlotFile, Query, negotiated};
 use super::stored_answer::{SVG, formatted, read, series_of, spectrum_of};
-use super::studies::table_of;
+use super::studies::{table_of, uncertainty_of, uncertainty_points};
 use crate::contract::answer::views::TraceView;
 use crate::contract::job::simulation::varying_speed_rpm;
 use crate::contract::{
@@ -23,7 +23,7 @@ use crate::contract::{
     ViewsAnswer,
 };
 use crate::jobs::{JobError, Signal};
-use crate::plots::{draw, draw_rotor};
+use crate::plots::{draw, draw_rotor, draw_uncertainty};
 
 /// Names of plots. The kind of a job decides which of them it has.
 #[derive(ToSchema)]
@@ -55,6 +55,8 @@ enum PlotName {
     WorkPrecision,
     #[schema(rename = "optimum.svg")]
     Optimum,
+    #[schema(rename = "uncertainty.svg")]
+    Uncertainty,
     #[schema(rename = "trend.svg")]
     Trend,
     #[schema(rename = "map.svg")]
@@ -76,6 +78,7 @@ pub const OF_MACHINE: &[&str] = &["spectrum.svg", "envelope.svg", "orders.svg", 
 pub const OF_ROTOR: &[&str] = &["campbell.svg", "shapes.svg"];
 pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
+pub const OF_UNCERTAINTY: &[&str] = &["uncertainty.svg"];
 pub const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
 /// Plots of studies over one axis, over two, and over more.
 const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
@@ -104,6 +107,7 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 /// - `shapes.svg` (rotor job): shapes of the natural motions at the operating speed, on the outline of the shaft.
 /// - `work-precision.svg` (accuracy job): error against run time, one curve for each method.
 /// - `optimum.svg` (optimum job): the runs and the best point.
+/// - `uncertainty.svg` (uncertainty job): histograms with percentiles, and the share of the variance that each input explains.
 /// - `trend.svg`, `map.svg` (study over one axis or two): the points that have been computed.
 #[utoipa::path(
     get, path = "/v1/jobs/{id}/plots/{file}", tag = openapi::RESULTS, operation_id = "getPlot",
@@ -125,9 +129,8 @@ pub async fn plot(
     negotiated(&headers, &[SVG])?;
     // A study has up to a hundred megabytes, and a series a million values.
     let held = match file.as_str() {
-        "trend.svg" | "map.svg" | "velocity.svg" | "acceleration.svg" | "orders.svg" | "waterfall.svg" => {
-            Some(permit.concurrency().series()?)
-        }
+        "trend.svg" | "map.svg" | "uncertainty.svg" | "velocity.svg" | "acceleration.svg" | "orders.svg"
+        | "waterfall.svg" => Some(permit.concurrency().series()?),
         _ => None,
     };
     let response = drawn(&app, &owner, id, &permit, &file).await?;
@@ -162,6 +165,10 @@ async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &
         "shapes.svg" => rotor(app, owner, id, draw_rotor::shapes).await,
         "work-precision.svg" => work_precision(app, owner, id).await,
         "optimum.svg" => optimum(app, owner, id).await,
+        "uncertainty.svg" => {
+            let (request, points) = uncertainty_points(app, owner, id).await?;
+            formatted(move || Ok(svg_response(draw_uncertainty::histograms(&uncertainty_of(&request, points)?)))).await
+        }
         "trend.svg" => of_study(app, owner, id, draw::trend).await,
         "map.svg" => of_study(app, owner, id, draw::map).await,
         _ => {
@@ -174,6 +181,8 @@ async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &
                 OF_OPTIMUM
             } else if is(JobKind::Study) {
                 OF_STUDY
+            } else if is(JobKind::Uncertainty) {
+                OF_UNCERTAINTY
             } else if is(JobKind::Machine) {
                 OF_MACHINE
             } else if is(JobKind::Rotor) {

@@ -76,6 +76,7 @@ fn result_routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(rotor::ross_script))
         .routes(routes!(results::machine))
         .routes(routes!(studies::table))
+        .routes(routes!(studies::uncertainty))
         .routes(routes!(plots::plot));
     match app {
         Some(app) => routes.layer(middleware::from_fn_with_state(app.clone(), conditional::results)),

@@ -33,6 +33,7 @@ mod serve;
 mod simulate;
 mod study;
 mod token;
+mod uncertainty;
 mod worker;
 
 use std::io::Write as _;

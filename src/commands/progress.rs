@@ -92,6 +92,9 @@ fn announcement(job: &Job) -> String {
             let (runs, times) = (plan.methods.len() * plan.relative_tolerances.len(), times(plan.repetitions));
             format!("{kind}: {simulated}, {runs} runs{times} and their references; {estimate}")
         }
+        Job::Uncertainty(uncertainty) => {
+            format!("{kind}: {} points of {simulated}; {estimate} for each", uncertainty.study.points)
+        }
         Job::Simulation(_) | Job::Study(_) | Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => {
             format!("{kind}: {simulated}; {estimate}")
         }

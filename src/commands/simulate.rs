@@ -5,7 +5,7 @@ use std::io::Write;
 use super::exit::{Exit, failed, refused};
 use super::local::{self, json};
 use super::output_directory::OutputDirectory;
-use super::{accuracy, optimum};
+use super::{accuracy, optimum, uncertainty};
 use crate::config::SimulateOptions;
 use crate::contract::answer::csv;
 use crate::contract::answer::orders::of_series;
@@ -20,6 +20,10 @@ pub fn run(options: &SimulateOptions) -> Exit {
     let done = local::read(&options.job, contract::parse_job_or_scene)
         .and_then(|job| match job.kind() {
             JobKind::Study => Err(refused("a job of kind `study` needs `raceway study`")),
+            _ => Ok(job),
+        })
+        .and_then(|job| match &job {
+            Job::Uncertainty(of_points) => Err(uncertainty::run(&job, of_points, options)),
             _ => Ok(job),
         })
         .and_then(|job| {

@@ -21,6 +21,7 @@ pub use answer::point::{PointEnd, PointStatus};
 pub use answer::resolve::{ResolveAnswer, resolve_answer};
 pub use answer::rotor::RotorAnswer;
 pub use answer::signals::{SeriesAnswer, SeriesHead, SpectrumAnswer, SpectrumKind, Thinning};
+pub use answer::propagation::UncertaintyAnswer;
 pub use answer::table::{Row, TableAnswer};
 pub use answer::views::ViewsAnswer;
 pub use answer::work_precision::modes::{AccuracyJobAnswer, ModePrecisionAnswer};

@@ -68,7 +68,7 @@ impl Outcome {
 pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
     match job {
         Job::Simulation(simulation) => Ok(Outcome::Simulation(Box::new(execute_simulation(simulation, control)?))),
-        Job::Study(_) => Err(internal("a study is run point by point")),
+        Job::Study(_) | Job::Uncertainty(_) => Err(internal("the job is run point by point")),
         Job::Optimum(search) => {
             // The progress of the search is counted in runs, not in the progress of each run.
             let of_run = Control::until(control.stop);

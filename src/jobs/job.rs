@@ -112,7 +112,7 @@ pub struct NewJob {
     pub compared: Option<Uuid>,
     pub content_hash: Vec<u8>,
     pub created_at: Timestamp,
-    /// Number of points of a study; `None` for any other job.
+    /// Number of points of a job that is run point by point; `None` for any other job.
     pub points: Option<usize>,
     /// Key under which the submission creates at most one job.
     pub key: Option<IdempotencyKey>,
@@ -147,10 +147,7 @@ impl IdempotencyKey {
 impl NewJob {
     pub fn new(job: &Job, owner: &str, key: Option<IdempotencyKey>) -> Self {
         let submission = job.submission();
-        let points = match job {
-            Job::Study(study) => Some(study.points),
-            _ => None,
-        };
+        let points = job.points().map(|study| study.points);
         Self {
             key,
             id: Uuid::now_v7(),

@@ -132,7 +132,7 @@ impl Jobs {
     pub fn with_progress(&self, mut record: JobRecord) -> JobRecord {
         // The shards of a study write its progress with every point.
         if record.status == Status::Running
-            && record.kind != JobKind::Study.name()
+            && !JobKind::has_points(&record.kind)
             && let Some(run) = self.parts.running.get(record.id)
         {
             record.progress = run.progress();
@@ -201,7 +201,7 @@ impl Jobs {
     async fn try_cancel(&self, owner: &str, id: Uuid) -> Result<Cancelled, JobError> {
         let mut tx = self.parts.store.begin().await?;
         let (mut status, delivery, kind) = records::locked_status(&mut tx, owner, id).await?;
-        let is_study = kind == JobKind::Study.name();
+        let is_study = JobKind::has_points(&kind);
         match status {
             Status::Queued | Status::Running if is_study => {
                 records::request_cancel(&mut tx, id).await?;
@@ -254,7 +254,7 @@ impl Jobs {
         }
         let mut tx = self.parts.store.begin().await?;
         let (status, _, kind) = records::locked_status(&mut tx, owner, id).await?;
-        if kind != JobKind::Study.name() {
+        if !JobKind::has_points(&kind) {
             return Err(JobError::NoStudy { kind });
         }
         if !status.is_final() || !studies::resume(&mut tx, id).await? {

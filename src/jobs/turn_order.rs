@@ -96,7 +96,7 @@ impl World {
     /// Every waiting job and shard has a delivery of its own that waits.
     async fn check_deliveries(&self) -> Result<(), JobError> {
         let writer = self.jobs.parts.store.writer();
-        let sql = "SELECT delivery FROM jobs WHERE status = 'queued' AND kind <> 'study' \
+        let sql = "SELECT delivery FROM jobs WHERE status = 'queued' AND kind NOT IN ('study', 'uncertainty') \
                    UNION ALL SELECT delivery FROM strands";
         let of_work: Vec<i64> = statement(sql).values(writer).await?;
         let sql = "SELECT id FROM river_job WHERE state = 'available'";

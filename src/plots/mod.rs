@@ -1,9 +1,10 @@
 //! Plots as SVG text that is complete in itself: title and description for those who cannot see it, units on every axis, colours that
-//! follow the viewer's light or dark setting. `draw` and `draw_rotor` take results of the contract, the other modules plain numbers
+//! follow the viewer's light or dark setting. `draw` and those beside it take results of the contract, the other modules plain numbers
 //! and labelled lines. Knows no HTTP and no file.
 
 pub mod draw;
 pub mod draw_rotor;
+pub mod draw_uncertainty;
 
 mod campbell;
 mod loads;
@@ -14,6 +15,7 @@ mod series;
 mod shapes;
 mod spectrum;
 mod trend;
+mod uncertainty;
 mod waterfall;
 mod work_precision;
 

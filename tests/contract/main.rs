@@ -22,4 +22,5 @@ mod scenes;
 mod service_metrics;
 mod stored_results;
 mod studies;
+mod uncertainty;
 mod uploaded_series;

@@ -151,6 +151,7 @@ fn short(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> {
     let base = match &mut job {
         Job::Simulation(simulation) => simulation,
         Job::Study(study) => &mut study.base,
+        Job::Uncertainty(job) => &mut job.study.base,
         Job::Optimum(search) => &mut search.base,
         Job::Accuracy(comparison) => {
             comparison.plan.methods.truncate(2);

@@ -20,6 +20,9 @@ JOBS = {
     "study": {"kind": "study", "scene": SCENE, "axes": [{"path": CURVATURE, "values": [0.515, 0.52]}]},
     "optimum": {"kind": "optimum", "scene": SCENE, "axes": [{"path": CURVATURE, "from": 0.51, "to": 0.54}],
                 "metric": "/channels/spindle.y.acceleration/level_db"},
+    "uncertainty": {"kind": "uncertainty", "scene": SCENE, "samples": 16, "inputs": [
+        {"path": "/bearing/radial_clearance_um", "distribution": {"type": "clearance_group", "group": "CN"}},
+        {"path": "/operation/speed_rpm", "distribution": {"type": "uniform", "from": 5900, "to": 6100}}]},
     "accuracy": {"kind": "accuracy", "scene": SCENE, "methods": ["gear", "dormand_prince"],
                  "relative_tolerances": [1e-3, 1e-4], "duration_s": 0.02},
 }
@@ -86,11 +89,12 @@ def recorded(running):
     examples["getOrders"] = {"200": answer("GET", f"{run_up}/orders")}
     examples["getWaterfall"] = {"200": answer("GET", f"{run_up}/waterfall")}
     ends = {}
-    for kind in ("optimum", "accuracy", "study"):
+    for kind in ("optimum", "accuracy", "study", "uncertainty"):
         ends[kind] = running.submit(JOBS[kind])[0]
         running.ended(ends[kind], at_most=300)
     examples["listJobs"] = {"200": answer("GET", "/v1/jobs?limit=1")}
     examples["getTable"] = {"200": answer("GET", f"{ends['study']}/table")}
+    examples["getUncertainty"] = {"200": answer("GET", f"{ends['uncertainty']}/uncertainty")}
     examples["getOptimum"] = {"200": answer("GET", f"{ends['optimum']}/optimum")}
     examples["getAccuracy"] = {"200": answer("GET", f"{ends['accuracy']}/accuracy")}
     long = running.submit(JOBS["study"] | {"axes": [{"path": CURVATURE, "from": 0.51, "to": 0.54, "count": 500}]})[0]

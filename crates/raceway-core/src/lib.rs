@@ -33,6 +33,8 @@ pub mod orders;
 pub mod physics;
 /// A shaft on its supports, linear: natural frequencies, critical speeds, response. Unstable: internal to the service.
 pub mod rotor;
+/// Uncertain inputs: distributions, designs, percentiles, shares of the variance. Unstable: internal to the service.
+pub mod sampling;
 /// The motion: scene, model, equilibrium, run, recording. Unstable: internal to the service.
 pub mod simulation;
 /// Many runs: the points of a grid, and trends and optima over them. Unstable: internal to the service.

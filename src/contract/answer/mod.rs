@@ -18,6 +18,7 @@ pub mod orders;
 pub mod ross;
 pub mod rotor;
 pub mod rotor_model;
+pub mod propagation;
 pub mod table;
 pub mod work_precision;
 

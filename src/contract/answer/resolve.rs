@@ -187,6 +187,7 @@ pub fn resolve_answer(job: &Job) -> Option<ResolveAnswer> {
     let (plan, points, most_runs) = match job {
         Job::Simulation(_) | Job::Modes(_) | Job::Rotor(_) | Job::Machine(_) => (None, None, None),
         Job::Study(study) => (None, Some(study.points as u64), None),
+        Job::Uncertainty(job) => (None, Some(job.study.points as u64), None),
         Job::Optimum(search) => (None, None, Some(search.most_runs() as u64)),
         Job::Accuracy(comparison) => (Some(&comparison.plan), None, None),
     };

@@ -13,7 +13,7 @@ use utoipa::ToSchema;
 use super::point::{PointEnd, PointError, PointStatus};
 use super::uncertainty::{is_best_at_zero, uncertain};
 use crate::contract::job::axis::AxisValue;
-use crate::contract::job::study::Study;
+use crate::contract::job::study::{Layout, Study};
 use crate::contract::json::problem::escape;
 
 /// The response of `GET …/table`.
@@ -27,9 +27,9 @@ pub struct TableAnswer {
     pub ended: u64,
     /// Number of points that have succeeded.
     pub succeeded: u64,
-    /// One row for each point, the last axis changing fastest.
+    /// One row for each point, the last axis changing fastest; of an uncertainty job the nominal point, then the sampled ones.
     pub rows: Vec<Row>,
-    /// The best point by each metric that has a best value, by the metric's pointer.
+    /// The best point by each metric that has a best value, by the metric's pointer; empty for an uncertainty job.
     pub best: BTreeMap<String, BestAnswer>,
     /// Trend of each of these metrics along the axis; empty for several axes.
     pub trends: BTreeMap<String, TrendAnswer>,
@@ -137,7 +137,9 @@ impl TableAnswer {
         let count = |wanted: &[PointStatus]| rows.iter().filter(|row| wanted.contains(&row.status)).count() as u64;
         let mut best = BTreeMap::new();
         let mut trends = BTreeMap::new();
-        for (pointer, best_value) in with_best(&rows) {
+        // Of sampled points none is the best, and they are in no order.
+        let compared = if matches!(study.layout, Layout::Grid(_)) { with_best(&rows) } else { Vec::new() };
+        for (pointer, best_value) in compared {
             let values: Vec<_> = rows.iter().map(|row| uncertain(row.metrics.as_ref()?, &pointer)).collect();
             if let Some(found) = best_value.of(&values) {
                 best.insert(pointer.clone(), best_answer(study, &found, &values, best_value));
@@ -205,7 +207,7 @@ impl Row {
 fn best_answer(study: &Study, found: &study::Best, values: &[Option<study::Uncertain>], best: Best) -> BestAnswer {
     let within = |points: &Vec<usize>| {
         let ends = study.axes.iter().enumerate().map(|(number, axis)| {
-            let places = || points.iter().map(|point| study.grid.places(*point)[number]);
+            let places = || points.iter().map(|point| study.places(*point)[number]);
             let ends = [places().min(), places().max()].map(|place| axis.values[place.unwrap_or(0)].clone());
             (axis.varied.name.clone(), ends.to_vec().into())
         });

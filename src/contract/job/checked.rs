@@ -15,6 +15,7 @@ use super::search::Search;
 use super::simulation::Simulation;
 use super::study::Study;
 use super::submission::Submission;
+use super::uncertainty::Uncertainty;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::uploads::Uploads;
@@ -26,6 +27,7 @@ pub enum Job {
     Simulation(Simulation),
     Study(Study),
     Optimum(Search),
+    Uncertainty(Box<Uncertainty>),
     Accuracy(Comparison),
     /// An accuracy job of a shaft.
     Modes(Box<ModeComparison>),
@@ -41,7 +43,7 @@ impl Job {
             JobKind::Accuracy if request.pointer("/scene/shaft").is_some() => {
                 ModeComparison::of(request, uploads).map(|job| Self::Modes(Box::new(job)))
             }
-            JobKind::Simulation | JobKind::Study | JobKind::Optimum | JobKind::Accuracy => {
+            JobKind::Simulation | JobKind::Study | JobKind::Optimum | JobKind::Uncertainty | JobKind::Accuracy => {
                 with_single_bearing(request, |request| Self::of_one_bearing(kind, request, uploads))
             }
             JobKind::Rotor => RotorJob::of(request, uploads).map(|job| Self::Rotor(Box::new(job))),
@@ -54,6 +56,7 @@ impl Job {
         match kind {
             JobKind::Study => Study::of(request, uploads).map(Self::Study),
             JobKind::Optimum => Search::of(request, uploads).map(Self::Optimum),
+            JobKind::Uncertainty => Uncertainty::of(request, uploads).map(|job| Self::Uncertainty(Box::new(job))),
             JobKind::Accuracy => Comparison::of(request, uploads).map(Self::Accuracy),
             JobKind::Simulation | JobKind::Rotor | JobKind::Machine => {
                 Simulation::of(request, uploads).map(Self::Simulation)
@@ -61,16 +64,18 @@ impl Job {
         }
     }
 
-    /// Number of runs that a submission asks for: the points of a study, else 1.
+    /// Number of runs that a submission asks for: the points of a study or an uncertainty job, else 1.
     pub fn cost(&self) -> usize {
-        match self {
-            Self::Study(study) => study.points,
-            _ => 1,
-        }
+        self.points().map_or(1, |study| study.points)
     }
 
-    pub fn is_study(&self) -> bool {
-        matches!(self, Self::Study(_))
+    /// The points of a job that is run point by point.
+    pub fn points(&self) -> Option<&Study> {
+        match self {
+            Self::Study(study) => Some(study),
+            Self::Uncertainty(job) => Some(&job.study),
+            _ => None,
+        }
     }
 
     pub fn kind(&self) -> JobKind {
@@ -78,6 +83,7 @@ impl Job {
             Self::Simulation(_) => JobKind::Simulation,
             Self::Study(_) => JobKind::Study,
             Self::Optimum(_) => JobKind::Optimum,
+            Self::Uncertainty(_) => JobKind::Uncertainty,
             Self::Accuracy(_) | Self::Modes(_) => JobKind::Accuracy,
             Self::Rotor(_) => JobKind::Rotor,
             Self::Machine(_) => JobKind::Machine,
@@ -90,6 +96,7 @@ impl Job {
             Self::Simulation(simulation) => Some(simulation),
             Self::Study(study) => Some(&study.base),
             Self::Optimum(search) => Some(&search.base),
+            Self::Uncertainty(job) => Some(&job.study.base),
             Self::Accuracy(comparison) => Some(&comparison.base),
             Self::Modes(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
@@ -100,6 +107,7 @@ impl Job {
             Self::Simulation(simulation) => &simulation.submission,
             Self::Study(study) => &study.base.submission,
             Self::Optimum(search) => &search.base.submission,
+            Self::Uncertainty(job) => &job.study.base.submission,
             Self::Accuracy(comparison) => &comparison.base.submission,
             Self::Modes(comparison) => &comparison.submission,
             Self::Rotor(rotor) => &rotor.submission,
@@ -120,19 +128,21 @@ impl Job {
         }
     }
 
-    /// The study, if the job is one.
+    /// The points of a job that is run point by point.
     pub fn into_study(self) -> Option<Study> {
         match self {
             Self::Study(study) => Some(study),
+            Self::Uncertainty(job) => Some(job.study),
             _ => None,
         }
     }
 
-    /// Number of simulations of a study, and the approximate largest number of an optimum job; `None` for other kinds.
+    /// Number of simulations of a study or an uncertainty job, and the approximate largest number of an optimum job; `None` for other kinds.
     pub fn simulations(&self) -> Option<usize> {
         match self {
             Self::Study(study) => Some(study.points),
             Self::Optimum(search) => Some(search.most_runs()),
+            Self::Uncertainty(job) => Some(job.study.points),
             Self::Simulation(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) | Self::Machine(_) => None,
         }
     }
@@ -142,7 +152,12 @@ impl Job {
         match self {
             Self::Simulation(run) => Some(RecordedTurns::of(run.scene(), run.settings.settle, run.settings.duration)),
             Self::Machine(run) => Some(RecordedTurns::of_machine(&run.machine, start, run.settings.duration)),
-            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
+            Self::Study(_)
+            | Self::Optimum(_)
+            | Self::Uncertainty(_)
+            | Self::Accuracy(_)
+            | Self::Modes(_)
+            | Self::Rotor(_) => None,
         }
     }
 
@@ -169,7 +184,12 @@ impl Job {
         let orders = match self {
             Self::Simulation(simulation) => simulation.outputs.orders.as_ref(),
             Self::Machine(machine) => machine.input.outputs.as_ref().and_then(|outputs| outputs.orders.as_ref()),
-            Self::Study(_) | Self::Optimum(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
+            Self::Study(_)
+            | Self::Optimum(_)
+            | Self::Uncertainty(_)
+            | Self::Accuracy(_)
+            | Self::Modes(_)
+            | Self::Rotor(_) => None,
         };
         orders?.channels.as_ref()?.first().map(String::as_str)
     }
@@ -180,6 +200,7 @@ impl Job {
             Self::Simulation(simulation) => simulation.canonical(),
             Self::Study(study) => study.canonical().to_string(),
             Self::Optimum(search) => search.canonical().to_string(),
+            Self::Uncertainty(job) => job.canonical().to_string(),
             Self::Accuracy(comparison) => comparison.complete().to_string(),
             Self::Modes(comparison) => comparison.complete().to_string(),
             Self::Rotor(rotor) => rotor.complete().to_string(),
@@ -187,7 +208,7 @@ impl Job {
         }
     }
 
-    /// The job with all defaults, without axes, metric and goal, and without the fields that concern only the service.
+    /// The job with all defaults, without axes, metrics, goal and inputs, and without the fields that concern only the service.
     pub fn complete(&self) -> Value {
         let mut job = match self {
             Self::Accuracy(comparison) => return comparison.complete(),
@@ -197,6 +218,7 @@ impl Job {
             Self::Simulation(simulation) => simulation.complete(),
             Self::Study(study) => study.base.complete(),
             Self::Optimum(search) => search.base.complete(),
+            Self::Uncertainty(job) => job.study.base.complete(),
         };
         job["kind"] = self.kind().name().into();
         job

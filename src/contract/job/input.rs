@@ -4,16 +4,19 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::axis::{AxisInput, StrictAxis};
+use super::design::DesignName;
+use super::distribution::{StrictInput, UncertainInput};
 use super::kind::JobKindName;
 use super::outputs::OutputsInput;
 use super::solver::{MethodName, SolverInput};
+use super::statistic::{StatisticChoice, StatisticInput};
 use super::submission::ServiceFields;
-use crate::contract::json::limits::MAX_REPETITIONS;
-use crate::contract::json::shapes::{object, optional_object, whole_number};
+use crate::contract::json::limits::{MAX_REPETITIONS, MAX_SAMPLES, MIN_SAMPLES};
+use crate::contract::json::shapes::{object, optional_object, whole_number, wide_whole_number};
 use crate::contract::scene::scene_input::SceneInput;
 
-/// A job: one simulation, a study of many, the optimum of a metric over one or two ranges, or the error of several methods against
-/// their run time. `kind` decides which fields it takes.
+/// A job: one simulation, a study of many, the optimum of a metric over one or two ranges, the distribution of metrics from
+/// those of inputs, or the error of several methods against their run time. `kind` decides which fields it takes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobInput {
@@ -37,6 +40,27 @@ pub struct JobInput {
     /// Which extreme of the metric is searched for; of `cage_slip`, which of its magnitude. Default `minimum`.
     #[schema(nullable = false)]
     pub goal: Option<GoalName>,
+    /// Uncertain fields and their distributions, independent of each other. They make an optimum robust.
+    #[schema(nullable = false, value_type = Option<Vec<UncertainInput>>, min_items = 1, max_items = 12)]
+    pub inputs: Option<Vec<StrictInput>>,
+    /// Number of samples. A power of two, except for `latin_hypercube`. Default 64; 32 for a point of an optimum. `pairs` runs as many times as there are inputs, and twice more, at
+    /// most 10 000 times. One more run is that of the nominal values.
+    #[serde(default, deserialize_with = "whole_number::<_, MIN_SAMPLES, MAX_SAMPLES>")]
+    #[schema(nullable = false, example = 64)]
+    pub samples: Option<u32>,
+    /// How samples are drawn. Default `sobol`.
+    #[schema(nullable = false)]
+    pub design: Option<DesignName>,
+    /// Seed of the design: the same seed gives the same points on every machine. Default 1.
+    #[serde(default, deserialize_with = "wide_whole_number")]
+    #[schema(nullable = false, value_type = u64, minimum = 0, maximum = 9_007_199_254_740_991_u64, example = 1)]
+    pub seed: Option<u64>,
+    /// JSON pointers to the metrics whose distribution is asked for. Default: the level of the spindle's acceleration along y.
+    #[schema(nullable = false, min_items = 1, max_items = 8, example = json!(["/channels/spindle.y.acceleration/level_db"]))]
+    pub metrics: Option<Vec<String>>,
+    /// With `inputs` of an optimum: what is optimized of the metric over the inputs, `mean` or a percentile. Default: the 90th percentile.
+    #[schema(nullable = false, value_type = Option<StatisticChoice>, example = json!({"percentile": 90}))]
+    pub statistic: Option<StatisticInput>,
     /// Recorded time, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for
     /// `accuracy`. With `outputs.series` or `outputs.orders` at most 23.4 s; with more than 14 series at most 327.6 s divided by their number.
     #[schema(nullable = false, example = 0.1)]

@@ -7,13 +7,14 @@ use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, listed};
 use serde_json::Value;
 
-/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `accuracy`: error against run time, for several methods and tolerances, or numbers of modes of a shaft. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports. `machine`: a shaft on ball bearings in time.
+/// `simulation`: one run. `study`: a run for each point of a grid. `optimum`: the point of one or two ranges with the best value of a metric. `uncertainty`: distribution of metrics from those of inputs, and which input matters most. `accuracy`: error against run time, for several methods and tolerances, or numbers of modes of a shaft. `rotor`: natural frequencies, critical speeds and unbalance response of a shaft on its supports. `machine`: a shaft on ball bearings in time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum JobKindName {
     Simulation,
     Study,
     Optimum,
+    Uncertainty,
     Accuracy,
     Rotor,
     Machine,
@@ -25,6 +26,7 @@ pub enum JobKind {
     Simulation,
     Study,
     Optimum,
+    Uncertainty,
     Accuracy,
     Rotor,
     Machine,
@@ -36,6 +38,7 @@ impl From<JobKindName> for JobKind {
             JobKindName::Simulation => Self::Simulation,
             JobKindName::Study => Self::Study,
             JobKindName::Optimum => Self::Optimum,
+            JobKindName::Uncertainty => Self::Uncertainty,
             JobKindName::Accuracy => Self::Accuracy,
             JobKindName::Rotor => Self::Rotor,
             JobKindName::Machine => Self::Machine,
@@ -44,21 +47,40 @@ impl From<JobKindName> for JobKind {
 }
 
 /// Fields of a job that only some kinds take.
-pub const FIELDS_OF_SOME_KINDS: [&str; 6] = ["axes", "metric", "goal", "methods", "relative_tolerances", "repetitions"];
+pub const FIELDS_OF_SOME_KINDS: [&str; 12] = [
+    "axes",
+    "metric",
+    "goal",
+    "inputs",
+    "samples",
+    "design",
+    "seed",
+    "metrics",
+    "statistic",
+    "methods",
+    "relative_tolerances",
+    "repetitions",
+];
 
 impl JobKind {
-    pub const ALL: [Self; 6] =
-        [Self::Simulation, Self::Study, Self::Optimum, Self::Accuracy, Self::Rotor, Self::Machine];
+    pub const ALL: [Self; 7] =
+        [Self::Simulation, Self::Study, Self::Optimum, Self::Uncertainty, Self::Accuracy, Self::Rotor, Self::Machine];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Simulation => "simulation",
             Self::Study => "study",
             Self::Optimum => "optimum",
+            Self::Uncertainty => "uncertainty",
             Self::Accuracy => "accuracy",
             Self::Rotor => "rotor",
             Self::Machine => "machine",
         }
+    }
+
+    /// Whether a job of this kind, by name, is run point by point.
+    pub fn has_points(name: &str) -> bool {
+        [Self::Study, Self::Uncertainty].map(Self::name).contains(&name)
     }
 
     /// Those of `FIELDS_OF_SOME_KINDS` that this kind takes.
@@ -66,7 +88,8 @@ impl JobKind {
         match self {
             Self::Simulation | Self::Rotor | Self::Machine => &[],
             Self::Study => &["axes"],
-            Self::Optimum => &["axes", "metric", "goal"],
+            Self::Optimum => &["axes", "metric", "goal", "inputs", "samples", "seed", "statistic"],
+            Self::Uncertainty => &["inputs", "samples", "design", "seed", "metrics"],
             Self::Accuracy => &["methods", "relative_tolerances", "repetitions"],
         }
     }

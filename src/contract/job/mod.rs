@@ -10,6 +10,14 @@ pub mod mode_comparison;
 pub mod rotor;
 pub mod search;
 pub mod study;
+pub mod uncertainty;
+
+pub mod design;
+pub mod distribution;
+mod metric;
+pub mod robust;
+mod sampled_inputs;
+pub mod statistic;
 
 mod many_runs;
 mod range;

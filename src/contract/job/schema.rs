@@ -58,7 +58,7 @@ const MODEL_ALONE: Reduced = Reduced {
     without: &["method", "relative_tolerance", "fixed_step_us"],
 };
 
-pub const KINDS: [Kind; 4] = [
+pub const KINDS: [Kind; 5] = [
     Kind {
         kind: JobKind::Simulation,
         name: "SimulationJob",
@@ -102,6 +102,14 @@ pub const KINDS: [Kind; 4] = [
         requires: &["axes", "metric"],
         reduced: &[&METRICS_ALONE],
         defaults: &["/goal", "/priority", "/reuse"],
+    },
+    Kind {
+        kind: JobKind::Uncertainty,
+        name: "UncertaintyJob",
+        description: "Distribution of metrics from those of inputs, and which input matters most.",
+        requires: &["inputs"],
+        reduced: &[&METRICS_ALONE],
+        defaults: &["/samples", "/design", "/seed", "/metrics", "/priority", "/reuse"],
     },
     Kind {
         kind: JobKind::Accuracy,
@@ -272,6 +280,10 @@ impl Kind {
         match self.kind {
             JobKind::Study => request["axes"][0]["count"] = json!(2),
             JobKind::Optimum => request["metric"] = json!("/channels/spindle.y.acceleration/level_db"),
+            JobKind::Uncertainty => {
+                let distribution = json!({ "type": "uniform", "from": 0.02, "to": 0.2 });
+                request["inputs"] = json!([{ "path": "/spindle/mass_kg", "distribution": distribution }]);
+            }
             JobKind::Simulation | JobKind::Accuracy | JobKind::Rotor | JobKind::Machine => {}
         }
         let Ok(job) = Job::of(request, &Uploads::default()) else { return Value::Null };
@@ -280,6 +292,12 @@ impl Kind {
         complete["reuse"] = job.submission().reuse.into();
         if let Job::Optimum(search) = &job {
             complete["goal"] = search.canonical()["goal"].take();
+        }
+        if let Job::Uncertainty(job) = &job {
+            let mut canonical = job.canonical();
+            for field in ["samples", "design", "seed", "metrics"] {
+                complete[field] = canonical[field].take();
+            }
         }
         complete
     }

@@ -1,24 +1,28 @@
 //! An optimum job: a scene, one or two ranges, and a metric to minimize or maximize.
 
-use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
 use raceway_core::simulation::solve::plan::model_levels;
 use raceway_core::study::{Goal, most_runs};
 use serde_json::{Map, Value, json};
 
 use super::axis::AxisInput;
+use super::distribution::Sampled;
 use super::input::{GoalName, JobInput};
 use super::kind::JobKind;
 use super::many_runs::{already_varied, refuse_signals};
-use super::outputs::{MetricsPart, channel};
+use super::metric::{LEVEL, examples, part_of, unavailable};
 use super::range::{Range, Scale};
+use super::robust::Robust;
+use super::sampled_inputs::{check_inputs, varied_request};
 use super::simulation::{Draft, Simulation};
 use super::variation::Variation;
 use super::varied::{Varied, at_axis};
 use crate::contract::json::defaults::Defaults;
-use crate::contract::json::problem::{FieldError, Refusal, listed};
+use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::uploads::Uploads;
 
 const MAX_AXES: usize = 2;
+/// Best points of a robust search that are repeated with more samples.
+pub const MAX_REPEATED: usize = 3;
 /// Share of a range at which the scene is checked; no simple fraction, so that whole numbers are not met by chance.
 const INSIDE: f64 = 0.381_966;
 
@@ -28,6 +32,8 @@ pub struct Search {
     /// The scene as it is without the values of the axes, and the settings of all runs.
     pub base: Simulation,
     pub objective: Objective,
+    /// Uncertain inputs over which a statistic of the metric is optimized.
+    pub robust: Option<Robust>,
     variation: Variation,
 }
 
@@ -47,17 +53,15 @@ impl Search {
         let mut draft = Draft::of(JobKind::Optimum, request, uploads)?;
         refuse_signals(JobKind::Optimum, &draft.input, &mut draft.defaults);
         let objective = Objective::of(&mut draft.input, &mut draft.defaults);
+        let robust = Robust::of(&mut draft);
+        refuse_overlaps(&objective, robust.as_ref(), &mut draft.defaults);
         let settings = draft.settings();
         let base = draft.simulation(settings, model_levels)?;
-        let mut request = base.submission.request.clone();
-        if let (Some(part), Value::Object(fields)) = (part_of(&objective.metric), &mut request) {
-            let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
-            if let Value::Object(outputs) = outputs {
-                outputs.entry("metrics").or_insert_with(|| json!([part]));
-            }
-        }
+        let inputs = robust.as_ref().map_or(&[][..], |robust| &robust.inputs);
+        let request = varied_request(&base.submission.request, json!(base.outputs.metrics), inputs);
         let variation = Variation::new(&request, base.scene_json(), uploads);
-        let search = Self { base, objective, variation };
+        check_inputs(inputs, &variation)?;
+        let search = Self { base, objective, robust, variation };
         for (index, (varied, _)) in search.objective.axes.iter().enumerate() {
             if let Some(detail) = search.variation.refuses(varied) {
                 return Err(FieldError::new(format!("/axes/{index}/path"), detail).into());
@@ -94,26 +98,42 @@ impl Search {
         self.objective.axes.iter().zip(at).map(|((_, range), share)| range.at(*share)).collect()
     }
 
-    /// The simulation at shares of the ranges.
+    /// The simulation at shares of the ranges, with nominal inputs.
     pub fn simulation(&self, at: &[f64]) -> Result<Simulation, Refusal> {
+        self.with_inputs(at, |_, input| input.nominal())
+    }
+
+    /// The simulation at shares of the ranges and probabilities of the inputs.
+    pub fn sampled(&self, at: &[f64], probabilities: &[f64]) -> Result<Simulation, Refusal> {
+        self.with_inputs(at, |place, input| input.value(probabilities.get(place).copied().unwrap_or(0.5)))
+    }
+
+    fn with_inputs(&self, at: &[f64], value: impl Fn(usize, &Sampled) -> Value) -> Result<Simulation, Refusal> {
         let values = self.values(at).into_iter().map(Value::from);
-        self.variation.simulation(self.objective.axes.iter().map(|(varied, _)| varied).zip(values))
+        let axes = self.objective.axes.iter().map(|(varied, _)| varied).zip(values);
+        let inputs = self.robust.iter().flat_map(|robust| robust.inputs.iter().enumerate());
+        self.variation.simulation(axes.chain(inputs.map(|(place, input)| (&input.varied, value(place, input)))))
     }
 
     /// Approximate largest number of runs.
     pub fn most_runs(&self) -> usize {
-        most_runs(self.objective.axes.len())
+        let points = most_runs(self.objective.axes.len());
+        self.robust.as_ref().map_or(points, |robust| points * robust.cube.len() + MAX_REPEATED * robust.fine.len() + 1)
     }
 
     /// Everything that determines the result, as JSON.
     pub fn canonical(&self) -> Value {
         let axis = |(varied, range): &(Varied, Range)| json!({ "axis": varied.name, "from": range.from, "to": range.to, "log": range.scale == Scale::Log });
-        json!({
+        let mut canonical = json!({
             "base": self.variation.base(),
             "axes": self.objective.axes.iter().map(axis).collect::<Vec<_>>(),
             "metric": self.objective.metric,
             "goal": self.goal_name(),
-        })
+        });
+        if let Some(robust) = &self.robust {
+            canonical["robust"] = robust.canonical().clone();
+        }
+        canonical
     }
 
     pub fn goal_name(&self) -> GoalName {
@@ -127,6 +147,16 @@ impl Search {
     pub fn point(&self, at: &[f64]) -> Map<String, Value> {
         let names = self.objective.axes.iter().map(|(varied, _)| varied.name.clone());
         names.zip(self.values(at).into_iter().map(Value::from)).collect()
+    }
+}
+
+/// Refuses uncertain inputs that are varied as well.
+fn refuse_overlaps(objective: &Objective, robust: Option<&Robust>, defaults: &mut Defaults) {
+    let inputs = robust.map_or(&[][..], |robust| &robust.inputs);
+    for (place, input) in inputs.iter().enumerate() {
+        if let Some((axis, _)) = objective.axes.iter().find(|(axis, _)| axis.overlaps(&input.varied)) {
+            defaults.refuse(format!("/inputs/{place}"), already_varied(&input.varied, axis));
+        }
     }
 }
 
@@ -184,6 +214,7 @@ fn axis_of(axis: AxisInput, pointer: &str, defaults: &mut Defaults) -> Option<(V
     }
 }
 
+<<<<<<< HEAD
 const LEVEL: &str = "/channels/spindle.y.acceleration/level_db";
 
 fn examples() -> String {
@@ -280,6 +311,8 @@ fn unavailable(metric: &str, scene: &Scene) -> Option<String> {
     }
 }
 
+=======
+>>>>>>> uncertainty
 /// The error of a simulation inside the ranges.
 fn inside_ranges(error: FieldError) -> FieldError {
     if error.detail.contains("must be a whole number") {

@@ -28,6 +28,7 @@ use crate::contract::json::problem::{FieldError, Refusal};
 use crate::contract::json::typed::typed_with_errors;
 use crate::contract::json::units::{MM, US};
 use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::mounting::OperatingClearance;
 use crate::contract::scene::scene_input::ResolvedScene;
 
 /// A checked simulation: scene, settings and model.
@@ -122,6 +123,11 @@ impl Draft {
     /// The scene with all defaults, as in a request; `None` where it has errors.
     pub fn scene_json(&self) -> Option<Value> {
         self.resolved.as_ref().map(|resolved| given_fields(&resolved.input))
+    }
+
+    /// Clearance of a group in operation; `None` where the bearing has none, or the scene has errors.
+    pub fn operating_clearance(&self) -> Option<&OperatingClearance> {
+        self.resolved.as_ref()?.ordered.clearance.as_ref()
     }
 
     /// Settings of a run.

@@ -18,6 +18,7 @@ use super::varied::{MAX_NAME, Varied, at_axis};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::problem::{FieldError, MAX_ERRORS, Refusal};
 use crate::contract::json::uploads::Uploads;
+use crate::contract::scene::scene_input::ResolvedScene;
 
 const MAX_AXES: usize = 4;
 /// Largest number of values of a range, and of a list, that are checked before the job is accepted; evenly spread.
@@ -39,13 +40,32 @@ pub struct Axis {
     is_listed: bool,
 }
 
+/// How points take values from the axes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Layout {
+    /// Every value of an axis with every value of the others.
+    Grid(Grid),
+    /// The first value of every axis, then the second of every axis, and so on.
+    List,
+}
+
+impl Layout {
+    /// Places of a point on the axes.
+    pub fn places(&self, point: usize, axes: usize) -> Vec<usize> {
+        match self {
+            Self::Grid(grid) => grid.places(point),
+            Self::List => vec![point; axes],
+        }
+    }
+}
+
 /// A checked study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
     /// The scene as it is without the values of the axes, and the settings of all points.
     pub base: Simulation,
     pub axes: Vec<Axis>,
-    pub grid: Grid,
+    pub layout: Layout,
     /// Number of points.
     pub points: usize,
     variation: Variation,
@@ -223,9 +243,27 @@ impl Study {
         let variation =
             variation.unwrap_or_else(|| Variation::new(&base.submission.request, base.scene_json(), uploads));
         let grid = Grid::new(axes.iter().map(|axis| axis.values.len()).collect());
-        let study = Self { base, axes, grid, points, variation };
+        let study = Self { base, axes, layout: Layout::Grid(grid), points, variation };
         study.probe()?;
         Ok(study)
+    }
+
+    /// The points of listed values, of which each axis has as many.
+    pub fn listed(base: Simulation, axes: Vec<(Varied, Vec<Value>)>, variation: Variation) -> Self {
+        let points = axes.first().map_or(0, |axis| axis.1.len());
+        let axes = axes.into_iter().enumerate();
+        let axes = axes.map(|(index, (varied, values))| Axis { varied, values, index, is_listed: true }).collect();
+        Self { base, axes, layout: Layout::List, points, variation }
+    }
+
+    /// The scene with values of some axes; faster than the whole simulation.
+    pub fn scene<'a>(&self, values: impl Iterator<Item = (&'a Varied, Value)>) -> Result<ResolvedScene, Refusal> {
+        self.variation.scene(values)
+    }
+
+    /// The request that all points share.
+    pub fn base_request(&self) -> &Value {
+        self.variation.base()
     }
 
     /// Refuses the study unless some point of a sample of the grid can be built.
@@ -251,9 +289,14 @@ impl Study {
         self.base.submission.reuse
     }
 
+    /// Places of a point on the axes.
+    pub fn places(&self, point: usize) -> Vec<usize> {
+        self.layout.places(point, self.axes.len())
+    }
+
     /// Values of a point, one for each axis.
     pub fn values(&self, point: usize) -> Vec<&Value> {
-        self.grid.places(point).into_iter().zip(&self.axes).map(|(place, axis)| &axis.values[place]).collect()
+        self.places(point).into_iter().zip(&self.axes).map(|(place, axis)| &axis.values[place]).collect()
     }
 
     /// The simulation of a point.

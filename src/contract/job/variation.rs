@@ -23,7 +23,21 @@ pub struct Variation {
 }
 
 /// Fields of a request that its simulations do not have.
-const FIELDS_OF_WHOLE_JOB: [&str; 7] = ["axes", "metric", "goal", "labels", "priority", "reuse", "keep_for_s"];
+const FIELDS_OF_WHOLE_JOB: [&str; 13] = [
+    "axes",
+    "metric",
+    "goal",
+    "inputs",
+    "samples",
+    "design",
+    "seed",
+    "metrics",
+    "statistic",
+    "labels",
+    "priority",
+    "reuse",
+    "keep_for_s",
+];
 
 impl Variation {
     /// From a request whose scene with all defaults is `complete`.

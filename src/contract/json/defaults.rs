@@ -94,10 +94,17 @@ impl Defaults {
 
     /// Refuses a number outside the limits of its field.
     pub fn check(&mut self, pointer: &str, value: f64) {
-        let Some(limits) = limits::of_field(pointer) else { return };
-        if !(limits.lowest..=limits.highest).contains(&value) {
-            self.refuse(pointer, numbers::out_of_range(value, limits.lowest, limits.highest, false, limits.unit));
+        if let Some(detail) = self.out_of_limits(pointer, value) {
+            self.refuse(pointer, detail);
         }
+    }
+
+    /// Reason why a number is outside the limits of its field.
+    pub fn out_of_limits(&self, pointer: &str, value: f64) -> Option<String> {
+        let limits = limits::of_field(pointer)?;
+        let is_inside = (limits.lowest..=limits.highest).contains(&value);
+        let detail = || numbers::out_of_range(value, limits.lowest, limits.highest, false, limits.unit);
+        (!is_inside).then(detail)
     }
 
     /// Refuses a number of a rotor job outside the limits of its field; returns whether it is inside.

@@ -9,6 +9,10 @@ use super::{numbers, parameters};
 /// Largest number of timed runs of each method at each tolerance of an accuracy job.
 pub const MAX_REPETITIONS: u32 = 9;
 
+/// Fewest and most samples of an uncertainty job.
+pub const MIN_SAMPLES: u32 = 16;
+pub const MAX_SAMPLES: u32 = 4096;
+
 /// The limits of a field.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FieldLimits {
@@ -25,6 +29,9 @@ const fn from(pointer: &'static str, lowest: f64, highest: f64, unit: &'static s
     FieldLimits { pointer, lowest, highest, exclusive: false, unit }
 }
 
+/// Largest number of a distribution, in whatever unit: beyond the limits of every field.
+const LARGEST: f64 = 1e15;
+
 /// Tightest and loosest relative tolerance.
 const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 
@@ -32,12 +39,26 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
 
 /// Limits of fields of the job.
+<<<<<<< HEAD
 const OF_A_JOB: [FieldLimits; 33] = [
+=======
+const OF_A_JOB: [FieldLimits; 36] = [
+>>>>>>> uncertainty
     DURATION,
     from("/settle_s", 0.0, 1000.0, "s"),
     from("/priority", 1.0, 4.0, ""),
     from("/keep_for_s", 1.0, 315_360_000.0, "s"),
     from("/repetitions", 1.0, MAX_REPETITIONS as f64, ""),
+    from("/samples", MIN_SAMPLES as f64, MAX_SAMPLES as f64, ""),
+    from("/statistic/percentile", 1.0, 99.0, "%"),
+    from("/inputs/distribution/from", -LARGEST, LARGEST, ""),
+    from("/inputs/distribution/to", -LARGEST, LARGEST, ""),
+    from("/inputs/distribution/mean", -LARGEST, LARGEST, ""),
+    from("/inputs/distribution/standard_deviation", 0.0, LARGEST, ""),
+    from("/inputs/distribution/mode", -LARGEST, LARGEST, ""),
+    from("/inputs/distribution/nominal", -LARGEST, LARGEST, ""),
+    from("/inputs/distribution/plus", -LARGEST, LARGEST, ""),
+    from("/inputs/distribution/minus", -LARGEST, LARGEST, ""),
     from("/relative_tolerances", TOLERANCES.0, TOLERANCES.1, ""),
     from("/solver/relative_tolerance", TOLERANCES.0, TOLERANCES.1, ""),
     from("/solver/model_tolerance_db", 0.0, 20.0, "dB"),

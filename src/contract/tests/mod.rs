@@ -12,5 +12,6 @@ mod spindles;
 mod study;
 mod surface_messages;
 mod surfaces;
+mod uncertainty;
 
 mod requests;

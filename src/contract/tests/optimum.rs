@@ -177,3 +177,76 @@ fn where_no_run_succeeds_the_job_fails_and_a_stop_ends_it() {
     let stopped = execute(&parsed(&with("goal", json!("minimum"))), &Control::until(&|| true));
     assert_eq!(stopped.map(|_| ()).unwrap_err().to_string(), "cancelled");
 }
+
+/// Radial loads y + z = x + u, u uniform ± ½: the narrow valley at 0 is best without scatter, the wide one at 3 with it.
+fn robust(statistic: Value) -> Value {
+    let mut request = request(json!([{ "path": "/operation/radial_load_y_n", "from": -2, "to": 4 }]));
+    request["inputs"] = json!([{ "path": "/operation/radial_load_z_n",
+        "distribution": { "type": "uniform", "from": -0.5, "to": 0.5 } }]);
+    request["statistic"] = statistic;
+    request
+}
+
+fn with_valleys(request: &Value) -> OptimumAnswer {
+    let Job::Optimum(search) = parsed(request) else { panic!("another kind") };
+    let level = |point: Result<crate::contract::Simulation, crate::contract::Refusal>| {
+        let operation = point.unwrap().scene_json()["operation"].take();
+        let z = operation["radial_load_y_n"].as_f64().unwrap() + operation["radial_load_z_n"].as_f64().unwrap();
+        let level = (20.0 * z.abs()).min(4.0 + (z - 3.0).abs());
+        Some(PointEnd::Succeeded(
+            json!({ "channels": { "spindle.y.acceleration": { "level_db": level, "level_error_db": 1e-3 } } }),
+        ))
+    };
+    OptimumAnswer::of(&search, &level, &QUIET).unwrap()
+}
+
+#[test]
+fn a_robust_optimum_avoids_a_narrow_valley() {
+    let at = |answer: &OptimumAnswer| answer.point["/operation/radial_load_y_n"].as_f64().unwrap();
+    let mut plain = robust(json!("mean"));
+    for field in ["inputs", "statistic"] {
+        plain.as_object_mut().unwrap().remove(field);
+    }
+    let nominal = with_valleys(&plain);
+    assert!(
+        at(&nominal).abs() < 0.05 && nominal.repeated.is_empty() && nominal.statistic.is_none(),
+        "{}",
+        at(&nominal)
+    );
+    let found = with_valleys(&robust(json!({ "percentile": 90 })));
+    assert!((at(&found) - 3.0).abs() < 0.08, "{}", at(&found));
+    assert!(
+        (found.value - 4.45).abs() < 0.03 && found.error.is_some_and(|error| error < 0.1),
+        "{} {:?}",
+        found.value,
+        found.error
+    );
+    assert!((found.nominal.unwrap() - 4.0).abs() < 0.08, "{:?}", found.nominal);
+    assert!(!found.repeated.is_empty() && found.repeated.len() <= 3);
+    let runs = 32 * found.evaluations.len() + 256 * found.repeated.len() + 1;
+    assert_eq!(found.runs, runs as u64);
+    let within = found.within.unwrap()["/operation/radial_load_y_n"];
+    assert!(within[0] < 2.95 && within[1] > 3.05 && within[0] > 2.0, "{within:?}");
+    // The mean of the narrow valley is 20/4 = 5, that of the wide one 4 + 1/4.
+    let mean = with_valleys(&robust(json!("mean")));
+    assert!((at(&mean) - 3.0).abs() < 0.1 && (mean.value - 4.25).abs() < 0.02, "{} {}", at(&mean), mean.value);
+}
+
+#[test]
+fn wrong_statistics_and_inputs_of_an_optimum_are_refused() {
+    let mut without = robust(json!("mean"));
+    without.as_object_mut().unwrap().remove("inputs");
+    assert!(refused(&without).contains("/statistic: an optimum takes it with `inputs` only"));
+    assert!(refused(&robust(json!({ "percentile": 99.5 }))).contains("/statistic/percentile: 99.5"));
+    assert!(refused(&robust(json!("median"))).contains("/statistic"));
+    let mut twice = robust(json!("mean"));
+    twice["inputs"][0]["path"] = json!("/operation/radial_load_y_n");
+    assert!(refused(&twice).contains("/inputs/0: `/operation/radial_load_y_n` is already varied"));
+    let mut many = robust(json!("mean"));
+    many["samples"] = json!(100);
+    assert!(refused(&many).contains("/samples: 100: must be a power of two"));
+    many["samples"] = json!(32);
+    many["design"] = json!("sobol");
+    assert!(refused(&many).contains("/design: goes with the kind `uncertainty`"));
+    assert_ne!(parsed(&robust(json!("mean"))).canonical(), parsed(&robust(json!({ "percentile": 90 }))).canonical());
+}

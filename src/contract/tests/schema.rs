@@ -99,6 +99,10 @@ fn kinds_take_what_their_schemas_say() {
                 job["axes"] = json!([{ "path": "/spindle/mass_kg", "from": 0.05, "to": 0.1 }]);
                 job["metric"] = json!("/channels/spindle.y.acceleration/rms");
             }
+            "uncertainty" => {
+                let distribution = json!({ "type": "uniform", "from": 0.05, "to": 0.1 });
+                job["inputs"] = json!([{ "path": "/spindle/mass_kg", "distribution": distribution }]);
+            }
             _ => {}
         }
         job
@@ -112,7 +116,10 @@ fn kinds_take_what_their_schemas_say() {
             with[field] = match field {
                 "axes" => json!([]),
                 "metric" | "goal" => json!("minimum"),
-                "repetitions" => json!(1),
+                "design" => json!("sobol"),
+                "samples" => json!(64),
+                "statistic" => json!("mean"),
+                "repetitions" | "seed" => json!(1),
                 _ => json!([]),
             };
             let refused = parsed(&with).map(|_| ()).unwrap_err().to_string();

@@ -29,7 +29,7 @@ pub async fn undeliverable(tx: &mut Tx, lost_after: SignedDuration, alive: &[Uui
     };
     let sql = format!(
         "SELECT jobs.id FROM jobs LEFT JOIN river_job ON river_job.id = jobs.delivery \
-         WHERE jobs.kind <> 'study' AND jobs.status IN ('queued', 'running') AND ((river_job.id IS NULL AND NOT ({had_none})) \
+         WHERE jobs.kind NOT IN ('study', 'uncertainty') AND jobs.status IN ('queued', 'running') AND ((river_job.id IS NULL AND NOT ({had_none})) \
          OR river_job.state IN ('completed', 'cancelled', 'discarded') \
          OR (jobs.status = 'queued' AND {orphaned}) \
          OR (jobs.status = 'running' AND jobs.heartbeat_at < {now} - $1)) LIMIT $2"
@@ -44,7 +44,7 @@ pub async fn end_cancelled(tx: &mut Tx, lost_after: SignedDuration, keep_s: f64)
     let sql = format!(
         "UPDATE jobs SET status = 'cancelled', finished_at = $1, \
          expires_at = $1 + CAST(coalesce(keep_for_s, $2) * 1e6 AS BIGINT) \
-         WHERE kind <> 'study' AND cancel_requested_at IS NOT NULL AND (status = 'queued' \
+         WHERE kind NOT IN ('study', 'uncertainty') AND cancel_requested_at IS NOT NULL AND (status = 'queued' \
          OR (status = 'running' AND heartbeat_at < {now} - $3)) RETURNING id"
     );
     let ended = statement(sql).bind(stored(Timestamp::now())).bind(keep_s).bind(micros(lost_after));

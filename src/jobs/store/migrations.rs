@@ -71,7 +71,7 @@ fn migrator(migrations: &[(i64, &'static str, &'static str)]) -> Migrator {
 }
 
 // A released file is never edited: sqlx compares a checksum of its whole text, comments included, with the applied one.
-const SQLITE_MIGRATIONS: [(i64, &str, &str); 15] = [
+const SQLITE_MIGRATIONS: [(i64, &str, &str); 16] = [
     (1, "jobs", include_str!("../../../migrations/sqlite/0001_jobs.sql")),
     (2, "reports", include_str!("../../../migrations/sqlite/0002_reports.sql")),
     (3, "studies", include_str!("../../../migrations/sqlite/0003_studies.sql")),
@@ -87,9 +87,10 @@ const SQLITE_MIGRATIONS: [(i64, &str, &str); 15] = [
     (13, "unfinished", include_str!("../../../migrations/sqlite/0013_unfinished.sql")),
     (14, "request digests", include_str!("../../../migrations/sqlite/0014_request_digests.sql")),
     (15, "uploaded series", include_str!("../../../migrations/sqlite/0015_uploaded_series.sql")),
+    (16, "sampled points", include_str!("../../../migrations/sqlite/0016_sampled_points.sql")),
 ];
 
-const POSTGRES_MIGRATIONS: [(i64, &str, &str); 10] = [
+const POSTGRES_MIGRATIONS: [(i64, &str, &str); 11] = [
     (1, "records", include_str!("../../../migrations/postgres/0001_records.sql")),
     (2, "tokens", include_str!("../../../migrations/postgres/0002_tokens.sql")),
     (3, "turns", include_str!("../../../migrations/postgres/0003_turns.sql")),
@@ -100,4 +101,5 @@ const POSTGRES_MIGRATIONS: [(i64, &str, &str); 10] = [
     (8, "unfinished", include_str!("../../../migrations/postgres/0008_unfinished.sql")),
     (9, "request digests", include_str!("../../../migrations/postgres/0009_request_digests.sql")),
     (10, "uploaded series", include_str!("../../../migrations/postgres/0010_uploaded_series.sql")),
+    (11, "sampled points", include_str!("../../../migrations/postgres/0011_sampled_points.sql")),
 ];

@@ -292,9 +292,10 @@ impl Store {
 
     /// Digest of everything that determines the result of a succeeded job; `None` for any other job.
     pub async fn fingerprint(&self, owner: &str, job: Uuid) -> Result<Option<Fingerprint>, JobError> {
-        let sql = "SELECT content_hash AS work, CASE WHEN kind = $3 THEN finished_at END AS study_ended FROM jobs \
+        let sql = "SELECT content_hash AS work, CASE WHEN kind IN ($3, $4) THEN finished_at END AS study_ended FROM jobs \
                    WHERE id = $1 AND owner = $2 AND status = 'succeeded'";
-        statement(sql).bind(job).bind(owner).bind(JobKind::Study.name()).optional(&self.readers).await
+        let [study, uncertainty] = [JobKind::Study, JobKind::Uncertainty].map(JobKind::name);
+        statement(sql).bind(job).bind(owner).bind(study).bind(uncertainty).optional(&self.readers).await
     }
 
     /// The result of a job of the wanted kind; jobs of other kinds never have such a result.

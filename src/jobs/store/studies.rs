@@ -279,7 +279,7 @@ impl Store {
         }
         let row: Option<StudyRow> = in_time(statement(sql).bind(job).bind(owner).optional(&self.readers)).await?;
         let StudyRow { kind, status: study, request } = row.ok_or(JobError::NotFound)?;
-        if kind != JobKind::Study.name() {
+        if !JobKind::has_points(&kind) {
             return Err(JobError::OtherKind { kind });
         }
         let request = self.noted(job, REQUEST, request.opened(job, owner)).await?;
@@ -529,7 +529,7 @@ pub async fn missing_shards(tx: &mut Tx, slots: usize, keep_s: f64) -> Result<Ve
           AND river_job.state NOT IN ('completed', 'cancelled', 'discarded') \
           AND NOT (strands.heartbeat_at IS NULL AND {orphaned})), \
          (SELECT count(*) FROM points WHERE points.job = jobs.id AND points.status = 'queued'), \
-         cancel_requested_at IS NOT NULL FROM jobs WHERE kind = 'study' AND status IN ('queued', 'running')"
+         cancel_requested_at IS NOT NULL FROM jobs WHERE kind IN ('study', 'uncertainty') AND status IN ('queued', 'running')"
     );
     let studies: Vec<(Uuid, i64, i64, bool)> = statement(sql).all(&mut *tx).await?;
     let mut missing = Vec::new();

@@ -79,6 +79,12 @@ pub enum Severity {
 ///
 /// `overloaded`: A pressure of a machine's bearing deforms its raceway permanently, which the elastic model does not show. Reduce the load.
 ///
+/// `failed-samples`: More than 5 % of the sampled points have no value of the metric. Percentiles may leave out the worst of them.
+///
+/// `spread-not-resolved`: The integration error exceeds half of the spread. Tighten the tolerance or increase `duration_s`.
+///
+/// `ranking-not-resolved`: One-by-one effects of the inputs explain less than half of the variance. Use `pairs`, which also gives interactions.
+///
 /// `candidate-rejected`: A model level or step was tried and rejected. Another one made the result.
 ///
 /// `model-not-eligible`: A model level was not tried. The text names the reason.
@@ -110,6 +116,9 @@ pub enum MessageCode {
     TrackOffEquator,
     MergedCageLines,
     Overloaded,
+    FailedSamples,
+    SpreadNotResolved,
+    RankingNotResolved,
     CandidateRejected,
     ModelNotEligible,
     MethodChosen,

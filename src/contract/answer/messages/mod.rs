@@ -10,6 +10,7 @@ mod basis;
 mod candidates;
 mod machine;
 mod omissions;
+pub mod spread;
 mod warnings;
 mod words;
 
