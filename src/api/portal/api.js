@@ -26,8 +26,9 @@ const MAX_RETRIES = 5;
 /** Longest wait before a retry [s]. */
 const MAX_WAIT = 30;
 
-/** `again`: whether the request may be repeated after a broken connection, because a repetition changes nothing. */
-async function send(method, path, { body, headers = {}, signal, again = method === 'GET', retry = true } = {}) {
+/** `again`: whether the request may be repeated after a broken connection, because a repetition changes nothing. `asks`: whether a refused
+ *  request asks for a token. */
+async function send(method, path, { body, headers = {}, signal, again = method === 'GET', retry = true, asks = true } = {}) {
   let waited = false;
   for (let attempt = 0; ; attempt += 1) {
     const token = sessionStorage.getItem(TOKEN);
@@ -46,7 +47,7 @@ async function send(method, path, { body, headers = {}, signal, again = method =
       return null;
     });
     if (response?.status === 401) {
-      if (await newToken(token)) continue;
+      if (asks && (await newToken(token))) continue;
       throw await problemOf(response);
     }
     const wait = retry && attempt < MAX_RETRIES ? waitBefore(response, attempt, again) : null;
