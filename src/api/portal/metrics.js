@@ -130,7 +130,7 @@ export function tables(metrics) {
       h('h3', {}, 'Vibration, 0 to 20 kHz'),
       table(
         'Channels',
-        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± over time, dB', 'rms above 20 kHz'],
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± over time, dB', 'Above 20 kHz'],
         Object.entries(channels).map(([name, c]) => [
           channelName(name),
           c.unit,
