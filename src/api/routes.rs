@@ -22,7 +22,7 @@ use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
     auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders, plots, portal,
-    request, request_id, results, rotor, scenes, studies, uploaded_series,
+    preview, request, request_id, results, rotor, scenes, studies, uploaded_series,
 };
 
 /// Every documented route.
@@ -41,6 +41,7 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(uploaded_series::upload, uploaded_series::list))
         .routes(routes!(uploaded_series::show, uploaded_series::delete))
         .routes(routes!(rotor::analyse))
+        .routes(routes!(preview::run))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))
         .routes(routes!(health::service_metrics))

@@ -7,6 +7,7 @@ import { channelName, measured, number, quantity, seconds, words } from './forma
 import { plotsOf } from './kinds.js';
 import { figure } from './metrics.js';
 import { picture } from './plots.js';
+import { METRICS } from './study-metrics.js';
 
 /** Plots of a job as figures. `only`: names in `links`. */
 export async function pictures(job, { signal, only, theme } = {}) {
@@ -37,8 +38,11 @@ export function axisName(path) {
   return spec ? [spec.label, spec.unit] : [words(path.split('/').pop()), ''];
 }
 
-/** A metric's pointer as words. */
-export const metricName = (pointer) => channelName(pointer.split('/').slice(1).map(words).join(' '));
+/** Name and unit of a metric; one that no study plots is named by its pointer. */
+export function metricName(pointer) {
+  const known = METRICS.find((metric) => metric[0] === pointer);
+  return known ? [known[1], known[2]] : [channelName(pointer.split('/').slice(1).map(words).join(' ')), ''];
+}
 
 function optimum({ metric, goal, axes, point, value, error, within, at_end_of_range: ends, runs, failed, rivals, evaluations }) {
   const places = axes.map(({ axis }) => {
@@ -46,6 +50,7 @@ function optimum({ metric, goal, axes, point, value, error, within, at_end_of_ra
     const range = within?.[axis];
     return figure(name, number(point[axis], 5), unit, range && `${number(range[0], 5)} to ${number(range[1], 5)} within the errors`);
   });
+  const [name, unit] = metricName(metric);
   const heads = [...axes.map(({ axis }) => axisName(axis).filter(Boolean).join(', ')), 'Value', 'Estimated error', 'Purpose'];
   const row = (run) => [
     ...axes.map(({ axis }) => number(run.point[axis], 6)),
@@ -58,7 +63,7 @@ function optimum({ metric, goal, axes, point, value, error, within, at_end_of_ra
       h(
         'dl',
         { class: 'figures' },
-        figure(`${words(goal)} of ${metricName(metric)}`, number(value, 5), '', error === undefined ? '' : `± ${number(error, 2)}`),
+        figure(`${goal === 'minimum' ? 'Least' : 'Largest'} value: ${name}`, number(value, 5), unit, error === undefined ? '' : `± ${number(error, 2)}`),
         places,
         figure('Runs', number(runs), '', failed ? `${failed} failed` : ''),
       ),

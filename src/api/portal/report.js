@@ -119,7 +119,7 @@ export class Report {
     const whole = await this.#resolved(job, signal);
     const rows = flat({ ...job.request, ...whole }).map(([pointer, value]) => [
       words(pointer.slice(1).replaceAll('/', ' › ').replace(UNIT_SUFFIX, '')),
-      typeof value === 'number' ? quantity(value, UNITS[pointer.match(UNIT_SUFFIX)?.[1]] ?? '', 6) : words(value),
+      typeof value === 'number' ? quantity(value, UNITS[pointer.match(UNIT_SUFFIX)?.[1]] ?? '', 6) : String(value),
       given.has(pointer) ? 'given' : 'default',
     ]);
     return [
@@ -174,7 +174,7 @@ function bestPoints({ axes, best, points, succeeded }) {
   const names = axes.map(({ axis }) => axisName(axis).filter(Boolean).join(', '));
   const value = (one) => (typeof one === 'number' ? number(one, 5) : words(one));
   const rows = Object.entries(best).map(([pointer, one]) => [
-    metricName(pointer),
+    metricName(pointer).filter(Boolean).join(', '),
     ...axes.map(({ axis }) => value(one.point[axis])),
     number(one.value, 5),
     measured(one.error),
