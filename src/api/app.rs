@@ -6,6 +6,7 @@ use axum::http::HeaderValue;
 
 use super::concurrency::Concurrency;
 use super::credentials::Tokens;
+use super::preview_threads::Previews;
 use super::rate_limit::RateLimits;
 use crate::jobs::Jobs;
 
@@ -15,12 +16,13 @@ pub struct App {
     pub jobs: Jobs,
     pub access: Arc<Access>,
     pub concurrency: Concurrency,
+    pub previews: Previews,
 }
 
 impl App {
     pub fn new(jobs: Jobs, access: Access) -> Self {
         let concurrency = Concurrency::new(access.followers_per_owner);
-        Self { jobs, access: Arc::new(access), concurrency }
+        Self { jobs, access: Arc::new(access), concurrency, previews: Previews::default() }
     }
 }
 

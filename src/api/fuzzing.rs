@@ -26,7 +26,7 @@ use super::routes::document;
 use super::stored_answer::{CSV, JSON, NPY, SVG};
 use super::submission_headers::{idempotency_key, preferred_wait};
 use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
-use super::{conditional, error_layers, plots, portal, scenes};
+use super::{conditional, error_layers, plots, portal, preview, scenes};
 use crate::contract::answer::signals::SpectrumScaling;
 use crate::contract::{
     Measurement, SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
@@ -92,6 +92,7 @@ fn router() -> Router {
         .route("/v1/jobs/{id}/rotor.py", get(rotor_script))
         .route("/v1/jobs/{id}/comparison", post(comparison))
         .route("/v1/rotor", post(rotor))
+        .route("/v1/preview", post(preview))
         .route("/v1/series", get(without_job).post(upload_series))
         .route("/v1/series/{hash}", get(uploaded).delete(uploaded))
         .route("/v1/scenes/resolve", post(resolve))
@@ -147,6 +148,7 @@ async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) 
     Ok(StatusCode::OK.into_response())
 }
 
+<<<<<<< HEAD
 async fn comparison(
     headers: HeaderMap,
     _: JobId,
@@ -155,6 +157,11 @@ async fn comparison(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     Measurement::read(&body, &Uploads::stand_in())?;
+=======
+async fn preview(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    preview::checked(parse_job(&body)?)?;
+>>>>>>> page
     Ok(StatusCode::OK.into_response())
 }
 
@@ -224,6 +231,7 @@ async fn series(headers: HeaderMap, _: JobId, query: Query<SeriesQuery>) -> Resu
     let stored = SeriesAnswer {
         channel: "cage.y.displacement".into(),
         unit: "µm".into(),
+        dt_s: Some(0.01),
         time_s: (0..40).map(|k| 0.01 * f64::from(k)).collect(),
         value: (0..40).map(|k| f64::from(k * 7 % 11) - 5.0).collect(),
     };
@@ -243,9 +251,10 @@ async fn plot(
     headers: HeaderMap,
     _: JobId,
     PlotFile(file): PlotFile,
-    _: Query<NoQuery>,
+    Query(query): Query<plots::PlotQuery>,
 ) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[SVG])?;
+<<<<<<< HEAD
     let known = [
         plots::OF_SIMULATION,
         plots::OF_ROTOR,
@@ -255,6 +264,11 @@ async fn plot(
         plots::OF_UNCERTAINTY,
     ]
     .concat();
+=======
+    query.check()?;
+    let known =
+        [plots::OF_SIMULATION, plots::OF_ROTOR, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
+>>>>>>> page
     if known.contains(&file.as_str()) {
         return Ok(StatusCode::OK);
     }

@@ -24,6 +24,8 @@ mod limits;
 mod list_query;
 /// The OpenAPI document beside the operations.
 mod openapi;
+/// Threads of runs that are shown and not kept.
+mod preview_threads;
 /// Paths that need no token.
 mod public_paths;
 /// Ranges of bytes.
@@ -49,6 +51,7 @@ mod jobs;
 mod orders;
 mod plots;
 mod portal;
+mod preview;
 mod results;
 mod rotor;
 mod scenes;

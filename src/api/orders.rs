@@ -112,6 +112,20 @@ pub struct OrdersQuery {
     reference: Option<ReferenceName>,
 }
 
+impl OrdersQuery {
+    /// Of a channel, or of the first one; everything else as in the request of the job.
+    pub(super) fn of_channel(channel: Option<String>) -> Self {
+        Self { channel, ..Self::default() }
+    }
+}
+
+impl WaterfallQuery {
+    /// Likewise.
+    pub(super) fn of_channel(channel: Option<String>) -> Self {
+        Self { channel, ..Self::default() }
+    }
+}
+
 #[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]

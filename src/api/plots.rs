@@ -1,10 +1,12 @@
 //! Plots of a job.
 
+use axum::body::to_bytes;
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use utoipa::ToSchema;
+use serde::Deserialize;
+use utoipa::{IntoParams, ToSchema};
 use uuid::Uuid;
 
 use super::app::App;
@@ -13,7 +15,7 @@ use super::credentials::Owner;
 use super::error::ApiError;
 use super::openapi::{self, Anywhere, BadQuery, NoPlot, NoResult, NotAccepted, Unchanged};
 use super::orders::{OrdersQuery, WaterfallQuery, orders_of, waterfall_of};
-use super::request::{JobId, NoQuery, PlotFile, Query, negotiated};
+use super::request::{JobId, PlotFile, Query, negotiated};
 use super::stored_answer::{SVG, formatted, read, series_of, spectrum_of};
 use super::studies::{table_of, uncertainty_of, uncertainty_points};
 use crate::contract::answer::views::TraceView;
@@ -23,7 +25,11 @@ use crate::contract::{
     ViewsAnswer,
 };
 use crate::jobs::{JobError, Signal};
+<<<<<<< HEAD
 use crate::plots::{draw, draw_rotor, draw_uncertainty};
+=======
+use crate::plots::{Theme, draw, draw_rotor, seen};
+>>>>>>> page
 
 /// Names of plots. The kind of a job decides which of them it has.
 #[derive(ToSchema)]
@@ -80,6 +86,9 @@ pub const OF_ACCURACY: &[&str] = &["work-precision.svg"];
 pub const OF_OPTIMUM: &[&str] = &["optimum.svg"];
 pub const OF_UNCERTAINTY: &[&str] = &["uncertainty.svg"];
 pub const OF_STUDY: &[&str] = &["trend.svg", "map.svg"];
+/// Plots of one channel or of several.
+const OF_CHANNELS: [&str; 6] =
+    ["spectrum.svg", "envelope.svg", "velocity.svg", "acceleration.svg", "orders.svg", "waterfall.svg"];
 /// Plots of studies over one axis, over two, and over more.
 const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
 
@@ -113,7 +122,7 @@ const OF_STUDY_BY_AXES: [&[&str]; 3] = [&["trend.svg"], &["map.svg"], &[]];
     get, path = "/v1/jobs/{id}/plots/{file}", tag = openapi::RESULTS, operation_id = "getPlot",
     params(
         ("id" = Uuid, Path, description = "The job"),
-        ("file" = inline(PlotName), Path, description = "The plot", example = "spectrum.svg")
+        ("file" = inline(PlotName), Path, description = "The plot", example = "spectrum.svg"), PlotQuery
     ),
     responses((status = 200, description = "The plot", body = String, content_type = "image/svg+xml", example = json!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 654\">…</svg>")), Unchanged, BadQuery, NoPlot, NoResult, NotAccepted, Anywhere)
 )]
@@ -124,41 +133,109 @@ pub async fn plot(
     headers: HeaderMap,
     JobId(id): JobId,
     PlotFile(file): PlotFile,
-    _: Query<NoQuery>,
+    Query(query): Query<PlotQuery>,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[SVG])?;
+    query.check()?;
     // A study has up to a hundred megabytes, and a series a million values.
     let held = match file.as_str() {
         "trend.svg" | "map.svg" | "uncertainty.svg" | "velocity.svg" | "acceleration.svg" | "orders.svg"
         | "waterfall.svg" => Some(permit.concurrency().series()?),
         _ => None,
     };
-    let response = drawn(&app, &owner, id, &permit, &file).await?;
+    let response = drawn(&app, &owner, id, &permit, &file, query.channel.clone()).await?;
+    let response = query.applied(response).await?;
     Ok(match held {
         Some(held) => hold_until_sent(held, response),
         None => response,
     })
 }
 
-async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &str) -> Result<Response, ApiError> {
+/// How a plot is seen, and of which channel it is.
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct PlotQuery {
+    /// The channel of `spectrum.svg`, `envelope.svg`, `velocity.svg`, `acceleration.svg`, `orders.svg` or `waterfall.svg`. Default: all that the
+    /// plot shows; of the last two the first channel.
+    #[param(example = "spindle.y.acceleration", pattern = r"^[^\u0000]*$")]
+    channel: Option<String>,
+    /// Width of the picture [px]; the height follows. Default: the plot's own.
+    #[param(minimum = 100, maximum = 4000, example = 1200)]
+    size: Option<u32>,
+    /// Ground of the picture. Default `auto`.
+    #[param(inline)]
+    theme: Option<ThemeName>,
+}
+
+/// `auto`: as the viewer's system is set. `light`, `dark`: always so, as for paper or slides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ThemeName {
+    Auto,
+    Light,
+    Dark,
+}
+
+/// Widths of a picture [px].
+const SIZES: std::ops::RangeInclusive<u32> = 100..=4000;
+
+impl PlotQuery {
+    pub(super) fn check(&self) -> Result<(), ApiError> {
+        match self.size.filter(|size| !SIZES.contains(size)) {
+            Some(size) => Err(ApiError::BadRequest(format!("query: `size` must be from 100 to 4000 px, not {size}"))),
+            None => Ok(()),
+        }
+    }
+
+    /// The plot as it is to be seen.
+    async fn applied(&self, response: Response) -> Result<Response, ApiError> {
+        let theme = match self.theme {
+            None | Some(ThemeName::Auto) => Theme::Auto,
+            Some(ThemeName::Light) => Theme::Light,
+            Some(ThemeName::Dark) => Theme::Dark,
+        };
+        if theme == Theme::Auto && self.size.is_none() {
+            return Ok(response);
+        }
+        let size = self.size;
+        let drawn = to_bytes(response.into_body(), usize::MAX).await.map_err(|_| ApiError::Internal)?;
+        formatted(move || Ok(svg_response(seen(&String::from_utf8_lossy(&drawn), theme, size)))).await
+    }
+}
+
+async fn drawn(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    permit: &RequestPermit,
+    file: &str,
+    channel: Option<String>,
+) -> Result<Response, ApiError> {
+    if let Some(channel) = channel.clone().filter(|_| !OF_CHANNELS.contains(&file)) {
+        // A missing job is reported first.
+        app.jobs.get(owner, id).await?;
+        return Err(ApiError::UnknownChannel { channel, kept: Vec::new() });
+    }
+    let named = channel.as_deref();
     match file {
-        "spectrum.svg" => spectra(app, owner, id, SpectrumKind::Amplitude).await,
-        "envelope.svg" => spectra(app, owner, id, SpectrumKind::Envelope).await,
+        "spectrum.svg" => spectra(app, owner, id, SpectrumKind::Amplitude, named).await,
+        "envelope.svg" => spectra(app, owner, id, SpectrumKind::Envelope, named).await,
         "impact.svg" => view(app, owner, id, |views| views.impact.as_ref().map(draw::impact)).await,
-        "velocity.svg" => series(app, owner, id, "velocity").await,
-        "acceleration.svg" => series(app, owner, id, "acceleration").await,
+        "velocity.svg" => series(app, owner, id, "velocity", named).await,
+        "acceleration.svg" => series(app, owner, id, "acceleration", named).await,
         "orbit.svg" => {
             view(app, owner, id, |views| Some(draw::orbits(&views.orbits)).filter(|_| !views.orbits.is_empty())).await
         }
         "loads.svg" => view(app, owner, id, |views| views.loads.as_ref().map(draw::loads)).await,
         "orders.svg" => {
             check_series(app, owner, id).await?;
-            let answer = orders_of(app, owner, id, permit, OrdersQuery::default()).await?;
+            let answer = orders_of(app, owner, id, permit, OrdersQuery::of_channel(channel)).await?;
             formatted(move || Ok(svg_response(draw::orders(&answer)))).await
         }
         "waterfall.svg" => {
             check_series(app, owner, id).await?;
-            let answer = waterfall_of(app, owner, id, permit, WaterfallQuery::default()).await?;
+            let answer = waterfall_of(app, owner, id, permit, WaterfallQuery::of_channel(channel)).await?;
             formatted(move || Ok(svg_response(draw::waterfall(&answer, draw::WATERFALL_RANGE_DB)))).await
         }
         "campbell.svg" => rotor(app, owner, id, draw_rotor::campbell).await,
@@ -195,16 +272,26 @@ async fn drawn(app: &App, owner: &str, id: Uuid, permit: &RequestPermit, file: &
     }
 }
 
-async fn spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result<Response, ApiError> {
+async fn spectra(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    kind: SpectrumKind,
+    named: Option<&str>,
+) -> Result<Response, ApiError> {
     let metrics = match app.jobs.metrics(owner, id, JobKind::Simulation).await {
         Err(JobError::OtherKind { kind: other }) if other == JobKind::Machine.name() => {
-            return machine_spectra(app, owner, id, kind).await;
+            return machine_spectra(app, owner, id, kind, named).await;
         }
         metrics => metrics?,
     };
     let is_shown = |channel: &String| kind == SpectrumKind::Amplitude || draw::is_of_spindle(channel, "acceleration");
+    let channels = match named {
+        Some(channel) => vec![channel.to_owned()],
+        None => app.jobs.channels(owner, id, Signal::Amplitude).await?.into_iter().filter(is_shown).collect(),
+    };
     let mut spectra = Vec::new();
-    for channel in app.jobs.channels(owner, id, Signal::Amplitude).await?.into_iter().filter(is_shown) {
+    for channel in channels {
         spectra.push(spectrum_of(app, owner, id, kind, &channel).await?);
     }
     if spectra.is_empty() {
@@ -229,12 +316,22 @@ async fn varying_speed(app: &App, owner: &str, id: Uuid) -> Result<draw::Varying
 }
 
 /// Spectra of a machine job: of its sensors, or without any, of its bearings along Y.
-async fn machine_spectra(app: &App, owner: &str, id: Uuid, kind: SpectrumKind) -> Result<Response, ApiError> {
+async fn machine_spectra(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    kind: SpectrumKind,
+    named: Option<&str>,
+) -> Result<Response, ApiError> {
     let metrics = app.jobs.metrics(owner, id, JobKind::Machine).await?;
     let kept = app.jobs.channels(owner, id, kind.into()).await?;
     let has_sensors = kept.iter().any(|channel| draw::is_of_machine(channel, true));
+    let channels: Vec<&str> = match named {
+        Some(channel) => vec![channel],
+        None => kept.iter().map(String::as_str).filter(|channel| draw::is_of_machine(channel, has_sensors)).collect(),
+    };
     let mut spectra = Vec::new();
-    for channel in kept.iter().filter(|channel| draw::is_of_machine(channel, has_sensors)) {
+    for channel in channels {
         spectra.push(spectrum_of(app, owner, id, kind, channel).await?);
     }
     let speed = varying_speed(app, owner, id).await?;
@@ -262,16 +359,25 @@ async fn view(
     .await
 }
 
-async fn series(app: &App, owner: &str, id: Uuid, quantity: &'static str) -> Result<Response, ApiError> {
+async fn series(
+    app: &App,
+    owner: &str,
+    id: Uuid,
+    quantity: &'static str,
+    named: Option<&str>,
+) -> Result<Response, ApiError> {
     let kept = app.jobs.channels(owner, id, Signal::Series).await?;
-    let wanted = kept.iter().filter(|channel| draw::is_of_spindle(channel, quantity));
+    let named = named.map(str::to_owned);
+    let is_wanted = move |channel: &str| {
+        draw::is_of_spindle(channel, quantity) && named.as_deref().is_none_or(|named| named == channel)
+    };
     let mut series = Vec::new();
-    for channel in wanted {
+    for channel in kept.iter().filter(|channel| is_wanted(channel)) {
         series.push(series_of(app, owner, id, channel).await?.beginning(draw::LONGEST_SERIES_S).await?);
     }
     if series.is_empty() {
         return view(app, owner, id, move |views| {
-            let of_quantity = views.traces.into_iter().filter(|trace| draw::is_of_spindle(&trace.channel, quantity));
+            let of_quantity = views.traces.into_iter().filter(|trace| is_wanted(&trace.channel));
             let traces: Vec<SeriesAnswer> = of_quantity.map(TraceView::series).collect();
             (!traces.is_empty()).then(|| draw::series(&traces))
         })

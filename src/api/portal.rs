@@ -20,6 +20,7 @@ const NO_REFERRER: HeaderValue = HeaderValue::from_static("no-referrer");
 const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
+const DATA: &str = "application/json";
 const TEXT: &str = "text/plain; charset=utf-8";
 
 struct File {
@@ -34,42 +35,58 @@ macro_rules! files {
     };
 }
 
+<<<<<<< HEAD
 static FILES: [File; 39] = files! {
+=======
+static FILES: [File; 45] = files! {
+>>>>>>> page
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
+    "example.json": DATA,
     "api.js": SCRIPT,
     "chart.js": SCRIPT,
     "compare.js": SCRIPT,
     "derived.js": SCRIPT,
     "dom.js": SCRIPT,
     "download.js": SCRIPT,
+    "example.js": SCRIPT,
     "fields.js": SCRIPT,
     "form.js": SCRIPT,
     "format.js": SCRIPT,
     "housing-drawing.js": SCRIPT,
     "jobs.js": SCRIPT,
+    "kinds.js": SCRIPT,
     "machine.js": SCRIPT,
     "main.js": SCRIPT,
+<<<<<<< HEAD
     "measured.js": SCRIPT,
     "measured-files.js": SCRIPT,
     "measured-spectrum.js": SCRIPT,
+=======
+    "map.js": SCRIPT,
+>>>>>>> page
     "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
+    "pictures.js": SCRIPT,
     "plots.js": SCRIPT,
+    "report.js": SCRIPT,
     "request.js": SCRIPT,
     "result.js": SCRIPT,
     "rotor.js": SCRIPT,
     "scene.js": SCRIPT,
-    "shaft.js": SCRIPT,
     "shaft-drawing.js": SCRIPT,
     "shaft-form.js": SCRIPT,
     "shaft-lists.js": SCRIPT,
     "shaft-request.js": SCRIPT,
+    "shaft.js": SCRIPT,
     "slider.js": SCRIPT,
     "spectra.js": SCRIPT,
+    "study-metrics.js": SCRIPT,
+    "study-table.js": SCRIPT,
     "study.js": SCRIPT,
     "surfaces.js": SCRIPT,
+    "varied-axis.js": SCRIPT,
     "views.js": SCRIPT,
     "vendor/uPlot.esm.js": SCRIPT,
     "vendor/uPlot.min.css": CSS,

@@ -49,6 +49,10 @@ impl Part {
                 head.extend(channel?);
                 head.extend(b",\"unit\":");
                 head.extend(unit?);
+                if let Some(step) = self.series.step() {
+                    head.extend(b",\"dt_s\":");
+                    head.extend(json_text(&step)?);
+                }
                 head.extend(b",\"time_s\":[");
                 let steps = [
                     Step::Text(head.into()),

@@ -65,6 +65,7 @@ pub use running::View;
 pub use service::{Cancelled, Jobs};
 pub use service_metrics::MEDIA_TYPE as METRICS_MEDIA_TYPE;
 pub use settings::{Settings, Simulator};
+pub use solver_threads::SolverThreads;
 pub use store::compression::decompressed;
 pub use store::integrity::Inspection;
 pub use store::location::Location;

@@ -47,9 +47,15 @@ impl UsedTime {
 #[derive(Debug, Clone, Default)]
 pub struct SolverThreads {
     idle: Arc<Mutex<Vec<Sender<Work>>>>,
+    yields: bool,
 }
 
 impl SolverThreads {
+    /// Threads that yield also to those that run jobs.
+    pub fn yielding() -> Self {
+        Self { yields: true, ..Self::default() }
+    }
+
     /// Runs work on a thread of its own. After a panic the channel closes without an answer, and the service continues.
     pub fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> oneshot::Receiver<Done<T>> {
         let (sender, receiver) = oneshot::channel();
@@ -75,8 +81,9 @@ impl SolverThreads {
     /// Creates a thread for this work and later work. If the thread cannot be created, the work is dropped as after a panic.
     fn spawn(&self, work: Work) {
         let idle = Arc::downgrade(&self.idle);
+        let niceness = if self.yields { YIELDING } else { SOLVING };
         let works = move || {
-            lower_priority();
+            lower_priority(niceness);
             let mut next = Ok(work);
             while let Ok(work) = next {
                 work();
@@ -101,10 +108,16 @@ fn processor_time() -> Duration {
 }
 
 /// Solvers occupy whole cores; requests that only read a result have priority.
-fn lower_priority() {
+fn lower_priority(niceness: i32) {
     #[cfg(target_os = "linux")]
-    let _ = rustix::process::setpriority_process(None, 5);
+    let _ = rustix::process::setpriority_process(None, niceness);
+    #[cfg(not(target_os = "linux"))]
+    let _ = niceness;
 }
+
+/// Niceness of threads that run jobs, and of those that also yield to them: ten steps are a tenth of the processor time (Linux).
+const SOLVING: i32 = 5;
+const YIELDING: i32 = 15;
 
 #[cfg(test)]
 mod tests {

@@ -116,7 +116,10 @@ pub fn machine_spectra(
     let has_sensors = answer.channels.keys().any(|channel| channel.starts_with("sensor."));
     let shown: Vec<&SpectrumAnswer> = spectra
         .iter()
-        .filter(|spectrum| spectrum.kind == kind && is_of_machine(&spectrum.channel, has_sensors))
+        // A single one was asked for by its name.
+        .filter(|spectrum| {
+            spectrum.kind == kind && (spectra.len() == 1 || is_of_machine(&spectrum.channel, has_sensors))
+        })
         .take(MOST_PANELS)
         .collect();
     let lines: Vec<Vec<Line>> = shown.iter().map(|spectrum| lines_of(lines, &spectrum.channel)).collect();

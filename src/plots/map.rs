@@ -3,7 +3,7 @@
 use super::axis::{Scale, range_of, ticks};
 use super::shade::shade_name;
 use super::svg::{Anchor, Drawing};
-use super::varied_axis::{AxisValues, VariedAxis};
+use super::varied_axis::VariedAxis;
 
 /// One metric over a grid, the second axis changing fastest.
 pub struct MapPanel<'a> {
@@ -26,8 +26,8 @@ const BOTTOM: f64 = 56.0;
 /// The colour bar: distance from the panel, and width.
 const BAR: (f64, f64) = (14.0, 16.0);
 const SHADES: usize = 32;
-/// Labels on an axis.
-const MOST_LABELS: usize = 9;
+/// Intervals between labels on an axis.
+const MOST_LABELS: usize = 8;
 
 /// Stacked panels, with the first axis horizontal and the second one vertical.
 pub fn map_svg(title: &str, subtitle: &str, axes: [&VariedAxis<'_>; 2], panels: &[MapPanel<'_>]) -> String {
@@ -69,16 +69,17 @@ fn draw(drawing: &mut Drawing, axes: [&VariedAxis<'_>; 2], panel: &MapPanel<'_>,
         let (x, y) = middle(best);
         drawing.mark(x, y);
     }
-    label(drawing, &axes[0].values, |place, text, drawing| {
-        drawing.text("", Anchor::Middle, LEFT + (place as f64 + 0.5) * width, bottom + 17.0, text);
-    });
-    label(drawing, &axes[1].values, |place, text, drawing| {
-        drawing.text("", Anchor::End, LEFT - 6.0, bottom - (place as f64 + 0.5) * height + 4.5, text);
-    });
+    for (place, text) in axes[0].values.field_ticks(MOST_LABELS) {
+        drawing.text("", Anchor::Middle, LEFT + place * width, bottom + 17.0, &text);
+    }
+    for (place, text) in axes[1].values.field_ticks(MOST_LABELS) {
+        drawing.text("", Anchor::End, LEFT - 6.0, bottom - place * height + 4.5, &text);
+    }
     drawing.text("", Anchor::Middle, 0.5 * (LEFT + right), bottom + 38.0, axes[0].name);
     drawing.upright_text("", 16.0, 0.5 * (top + bottom), axes[1].name);
     if known.len() < panel.values.len() {
-        drawing.text("small", Anchor::End, right, top - 10.0, "no colour: no value");
+        // Above the name of the panel, which may be as long as the panel.
+        drawing.text("small", Anchor::End, right, top - 26.0, "no colour: no value");
     }
     if !known.is_empty() {
         bar(drawing, range_of(&[least, most]), (least, most), (right + BAR.0, top, bottom));
@@ -99,18 +100,11 @@ fn bar(drawing: &mut Drawing, range: (f64, f64), (least, most): (f64, f64), (lef
     }
 }
 
-/// Interval of labelled values, so that labels do not overlap.
-fn label(drawing: &mut Drawing, values: &AxisValues, write: impl Fn(usize, &str, &mut Drawing)) {
-    let every = values.len().div_ceil(MOST_LABELS).max(1);
-    for place in (0..values.len()).step_by(every) {
-        write(place, &values.text(place), drawing);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::plots::svg::assert_well_formed;
+    use crate::plots::varied_axis::AxisValues;
 
     #[test]
     fn a_map_has_a_field_a_point_a_bar_and_both_axes() {

@@ -25,4 +25,5 @@ mod shade;
 mod svg;
 mod varied_axis;
 
+pub use svg::{Theme, seen};
 pub use work_precision::{ErrorPanel, WorkPoint, WorkPrecisionCurve, work_precision_svg};

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 /// Colours and fonts of all plots. Selectors are scoped because a plot may be part of a page. No CSS variables: not every renderer supports
 /// them. Sizes for pages are in a media query that only browsers read.
-const STYLE: &str = "\
+const LIGHT: &str = "\
 .raceway-plot{font-family:system-ui,'Segoe UI',Helvetica,Arial,sans-serif;font-size:13px}\
 @media screen{.raceway-plot{max-width:100%;height:auto}}\
 .raceway-plot .paper{fill:#fff}\
@@ -27,8 +27,9 @@ const STYLE: &str = "\
 .raceway-plot .dashed{stroke-dasharray:7 4}.raceway-plot .dotted{stroke-dasharray:2 3}\
 .raceway-plot .rest{fill:#5c6670;fill-opacity:.16}.raceway-plot .support{fill:#5c6670}\
 .raceway-plot .small{font-size:11.5px;fill:#56616c}\
-.raceway-plot .band{fill:#0b63b0;fill-opacity:.13}\
-@media (prefers-color-scheme:dark){\
+.raceway-plot .band{fill:#0b63b0;fill-opacity:.13}";
+/// Colours on a dark ground.
+const DARK: &str = "\
 .raceway-plot .paper{fill:#14181d}\
 .raceway-plot .panel{fill:#1a2027;stroke:#48535e}\
 .raceway-plot .grid{stroke:#2b343d}\
@@ -39,7 +40,40 @@ const STYLE: &str = "\
 .raceway-plot .c0{stroke:#6cb4ff}.raceway-plot .c1{stroke:#ffb26b}.raceway-plot .c2{stroke:#7fd08a}\
 .raceway-plot .c3{stroke:#e08fe0}.raceway-plot .c4{stroke:#b4bec8}\
 .raceway-plot .f0{fill:#6cb4ff}.raceway-plot .f1{fill:#ffb26b}.raceway-plot .f2{fill:#7fd08a}\
-.raceway-plot .f3{fill:#e08fe0}.raceway-plot .f4{fill:#b4bec8}}";
+.raceway-plot .f3{fill:#e08fe0}.raceway-plot .f4{fill:#b4bec8}";
+
+/// Ground on which a plot is seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Theme {
+    /// As the viewer is set.
+    #[default]
+    Auto,
+    Light,
+    Dark,
+}
+
+fn style(theme: Theme) -> String {
+    match theme {
+        Theme::Auto => format!("{LIGHT}@media (prefers-color-scheme:dark){{{DARK}}}"),
+        Theme::Light => LIGHT.to_owned(),
+        Theme::Dark => format!("{LIGHT}{DARK}"),
+    }
+}
+
+/// The same picture on another ground and with another width [px], which its height follows.
+pub fn seen(svg: &str, theme: Theme, width: Option<u32>) -> String {
+    let svg = svg.replacen(&style(Theme::Auto), &style(theme), 1);
+    width.and_then(|width| sized(&svg, width)).unwrap_or(svg)
+}
+
+/// The picture with a width [px]; `None` if it states no size.
+fn sized(svg: &str, width: u32) -> Option<String> {
+    let (before, rest) = svg.split_once("width=\"")?;
+    let (own_width, rest) = rest.split_once("\" height=\"")?;
+    let (own_height, rest) = rest.split_once('"')?;
+    let height = f64::from(width) * own_height.parse::<f64>().ok()? / own_width.parse::<f64>().ok()?;
+    Some(format!("{before}width=\"{width}\" height=\"{height:.0}\"{rest}"))
+}
 
 /// Number of colours before they repeat.
 pub const COLOURS: usize = 5;
@@ -63,9 +97,10 @@ impl Drawing {
         let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"raceway-plot\" role=\"img\" width=\"{width:.0}\" \
              height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\">\n<title>{}</title>\n<desc>{}</desc>\n\
-             <style>{STYLE}</style>\n",
+             <style>{}</style>\n",
             escaped(title),
-            escaped(description)
+            escaped(description),
+            style(Theme::Auto)
         );
         let mut drawing = Self { svg };
         drawing.rectangle("paper", 0.0, 0.0, width, height);
@@ -277,5 +312,20 @@ mod tests {
         assert_well_formed(&svg);
         assert!(svg.contains("<title>&lt;b&gt; &amp; &quot;co&quot;</title>"));
         assert!(svg.contains("&lt;/svg&gt;&amp;") && svg.contains("x…") && svg.contains("d=\"M0.0 1.0L2.0 3.0\""));
+    }
+
+    #[test]
+    fn a_picture_is_seen_on_another_ground_and_at_another_width() {
+        let svg = Drawing::new(200.0, 100.0, "t", "s", "d").finish();
+        assert_eq!(seen(&svg, Theme::Auto, None), svg);
+        let [light, dark] = [Theme::Light, Theme::Dark].map(|theme| seen(&svg, theme, Some(300)));
+        for one in [&light, &dark] {
+            assert_well_formed(one);
+            assert!(
+                one.contains("width=\"300\" height=\"150\" viewBox=\"0 0 200 100\"") && !one.contains("prefers-color")
+            );
+        }
+        assert!(dark.contains("#14181d") && !light.contains("#14181d"));
+        assert_eq!(seen("<svg>", Theme::Dark, Some(300)), "<svg>");
     }
 }

@@ -60,6 +60,19 @@ impl AxisValues {
         }
     }
 
+    /// Ticks along an axis with one field for each value, in fields from its start: at round numbers, at most `most` intervals. Names, and
+    /// numbers at unequal distances, are their own ticks.
+    pub fn field_ticks(&self, most: usize) -> Vec<(f64, String)> {
+        let round = match self {
+            Self::Numbers(values) => round_ticks(values, most),
+            Self::Names(_) => None,
+        };
+        round.unwrap_or_else(|| {
+            let every = self.len().div_ceil(most).max(1);
+            (0..self.len()).step_by(every).map(|place| (place as f64 + 0.5, self.text(place))).collect()
+        })
+    }
+
     /// Positions of the values on an axis between two positions.
     pub fn positions(&self, ends: (f64, f64)) -> Positions {
         match self {
@@ -82,6 +95,31 @@ impl AxisValues {
             }
         }
     }
+}
+
+/// Round numbers between the edges of the fields of evenly or logarithmically spaced values; `None` for others.
+fn round_ticks(values: &[f64], most: usize) -> Option<Vec<(f64, String)>> {
+    let logarithms: Vec<f64> = values.iter().map(|value| value.log10()).collect();
+    let (values, step, is_logarithmic) = match (even_step(values), even_step(&logarithms)) {
+        (Some(step), _) => (values, step, false),
+        (None, Some(step)) => (&logarithms[..], step, true),
+        (None, None) => return None,
+    };
+    let (from, to) = (values[0] - 0.5 * step, values[values.len() - 1] + 0.5 * step);
+    let range = (from.min(to), from.max(to));
+    let found = if is_logarithmic { log_ticks(range) } else { ticks(range, most) };
+    (found.len() > 1).then(|| found.into_iter().map(|(value, text)| ((value - from) / step, text)).collect())
+}
+
+/// Largest deviation from equal distances [-] of values that were computed with rounding or sent with four digits.
+const UNEVEN: f64 = 1e-3;
+
+/// Distance of evenly spaced values.
+fn even_step(values: &[f64]) -> Option<f64> {
+    let [first, .., last] = values else { return None };
+    let step = (last - first) / (values.len() - 1) as f64;
+    let is_even = |(place, value): (usize, &f64)| (value - first - place as f64 * step).abs() <= UNEVEN * step.abs();
+    (step != 0.0 && step.is_finite() && values.iter().enumerate().all(is_even)).then_some(step)
 }
 
 /// Whether the values are spaced logarithmically, over a wide enough range.
@@ -117,6 +155,23 @@ fn log_ticks((from, to): (f64, f64)) -> Vec<(f64, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fields_have_ticks_at_round_numbers() {
+        let texts = |values: &[f64]| -> Vec<(f64, String)> {
+            let found = AxisValues::Numbers(values.to_vec()).field_ticks(4).into_iter();
+            found.map(|(place, text)| ((1e6 * place).round() / 1e6, text)).collect()
+        };
+        let of = |pairs: &[(f64, &str)]| -> Vec<(f64, String)> {
+            pairs.iter().map(|(place, text)| (*place, (*text).to_owned())).collect()
+        };
+        assert_eq!(texts(&[3.0, 8.0, 13.0]), of(&[(0.9, "5"), (1.9, "10"), (2.9, "15")]));
+        assert_eq!(texts(&[13.0, 8.0, 3.0]), of(&[(2.1, "5"), (1.1, "10"), (0.1, "15")]));
+        assert_eq!(texts(&[1.0, 10.0, 100.0]).len(), 9);
+        assert_eq!(texts(&[1.0, 2.0, 7.0]), of(&[(0.5, "1"), (1.5, "2"), (2.5, "7")]));
+        assert_eq!(texts(&[4.0]), of(&[(0.5, "4")]));
+        assert_eq!(AxisValues::Names(vec!["a".into()]).field_ticks(4), of(&[(0.5, "a")]));
+    }
 
     #[test]
     fn logarithmic_spacing_is_recognized() {

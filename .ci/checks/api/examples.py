@@ -112,6 +112,8 @@ def recorded(running):
     examples["uploadSeries"] = {"201": series}
     examples["showSeries"] = {"200": answer("GET", f"/v1/series/{series['hash']}")}
     examples["listSeries"] = {"200": answer("GET", "/v1/series")}
+    short = {"outputs": {"metrics": ["vibration"], "spectra": ["spindle.y.acceleration"]}, "solver": {"model_tolerance_db": 1}}
+    examples["previewRun"] = {"200": answer("POST", "/v1/preview", {"kind": "simulation", "scene": SCENE, **short})}
     examples["analyseRotor"] = {"200": answer("POST", "/v1/rotor", ROTOR)}
     rotor = running.submit(ROTOR)[0]
     running.ended(rotor)

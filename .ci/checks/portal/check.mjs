@@ -139,13 +139,12 @@ const picture = async (page, name) => {
   if (PICTURES) await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
 };
 
-/** Serious and critical findings of axe. */
+/** Findings of axe, of every impact. */
 async function accessible(page, where) {
-  await page.evaluate(AXE);
+  if (!(await page.evaluate(() => Boolean(globalThis.axe)))) await page.evaluate(AXE);
   const found = await page.evaluate(async () => {
     const { violations } = await globalThis.axe.run(document, { resultTypes: ['violations'] });
     return violations
-      .filter(({ impact }) => ['serious', 'critical'].includes(impact))
       .map(
         ({ id, nodes }) =>
           `${id}: ${nodes
@@ -154,13 +153,74 @@ async function accessible(page, where) {
             .join(' | ')}`,
       );
   });
-  assert.deepEqual(found, [], `axe finds nothing serious: ${where}`);
+  assert.deepEqual(found, [], `axe finds nothing: ${where}`);
 }
 
 const field = (page, pointer) => page.locator(`#f${pointer.replaceAll('/', '-')}`);
 const ofShaft = (page, pointer) => page.locator(`#s${pointer.replaceAll('/', '-')}`);
 const shaftRequest = async (page) => JSON.parse(await page.locator('#shaft-json').inputValue());
 const tab = (page, name) => page.locator(`#tab-${name}`).click();
+
+/** Longest time from opening to the first spectrum [ms]. */
+const FIRST_SPECTRUM = 1000;
+
+/** The first opening shows a recorded example: named so, in time, levels above a spectrum that is in view as a whole. */
+async function example(browser, url, hasToken) {
+  const { page, context, faults } = await open(browser, {}, (status, path) => hasToken && status === 401 && path === '/v1/presets');
+  const times = [];
+  // The first of three opens with cold caches, and the machine has other work.
+  for (let opening = 0; opening < 3; opening += 1) {
+    await page.goto('about:blank');
+    await page.goto(url);
+    await page.waitForFunction(() => document.querySelector('#panel-result .line-label'), undefined, { polling: 'raf' });
+    times.push(await page.evaluate(() => performance.now()));
+  }
+  const least = Math.min(...times);
+  assert.ok(least < FIRST_SPECTRUM, `the first spectrum stands after ${times} ms`);
+  assert.equal(await page.locator('#panel-result .chip').textContent(), 'example');
+  const [levels, plot] = await Promise.all(
+    ['.figures', '.canvas'].map((of) => page.locator(`#panel-result ${of}`).first().boundingBox()),
+  );
+  assert.ok(levels.y < plot.y && plot.y + plot.height <= DESKTOP.height, `levels at ${levels.y}, spectrum to ${plot.y + plot.height} px`);
+  await labelsAreClear(page, '#panel-result');
+  await picture(page, hasToken ? 'example-token' : 'example');
+  await accessible(page, 'the example');
+  if (!hasToken) {
+    await page.locator('.drawing svg').waitFor();
+    await page.keyboard.press('Tab');
+    assert.equal(await page.evaluate(() => document.activeElement.className), 'skip', 'the first stop of the keyboard skips to the results');
+  }
+  assert.deepEqual(faults, []);
+  await context.close();
+  ok(`an example stands after ${Math.round(least)} ms${hasToken ? ', without a token' : ''}`);
+}
+
+/** No label of a line covers another one or a curve: the pixels of the plot behind it have no ink of a curve. */
+async function labelsAreClear(page, panel) {
+  const covered = await page.locator(`${panel} .u-over`).first().evaluate((over) => {
+    const canvas = over.parentElement.querySelector('canvas');
+    const [ratio, frame] = [canvas.width / canvas.clientWidth, canvas.getBoundingClientRect()];
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const accent = getComputedStyle(document.documentElement).getPropertyValue('--accent').trim();
+    const wanted = [1, 3, 5].map((at) => parseInt(accent.slice(at, at + 2), 16));
+    const labels = [...over.querySelectorAll('.line-label')].map((label) => [label.textContent, label.getBoundingClientRect()]);
+    const isInk = (x, y) => {
+      const at = 4 * (Math.round(y) * canvas.width + Math.round(x));
+      return data[at + 3] > 200 && wanted.every((value, k) => Math.abs(data[at + k] - value) < 40);
+    };
+    const onCurve = labels.filter(([, box]) => {
+      const [left, right] = [box.left, box.right].map((at) => (at - frame.left) * ratio);
+      const [top, bottom] = [box.top + 1, box.bottom - 1].map((at) => (at - frame.top) * ratio);
+      for (let x = left; x < right; x += 1) for (let y = top; y < bottom; y += 1) if (isInk(x, y)) return true;
+      return false;
+    });
+    const onLabel = labels.filter(([, a], i) =>
+      labels.some(([, b], k) => k > i && a.left < b.right - 4 && b.left < a.right - 4 && a.top < b.bottom - 1 && b.top < a.bottom - 1),
+    );
+    return [...onCurve, ...onLabel].map(([text]) => text);
+  });
+  assert.deepEqual(covered, [], 'labels cross no curve and no label');
+}
 
 /** A designation with a clearance group, a shaft fit and an oil by grade give the numbers that `resolve` shows. */
 async function orderedByName(page) {
@@ -217,6 +277,7 @@ async function fromPresetToPlot(page) {
   ok('the request as JSON and the form say the same');
 
   await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
   await page.locator('#panel-result .line-label').first().waitFor({ timeout: 60000 });
   const labels = await page.locator('#panel-result .line-label').allTextContents();
   assert.ok(
@@ -362,6 +423,66 @@ async function study(page) {
   await page.locator('#panel-study .uplot canvas').waitFor({ timeout: 120000 });
   assert.match(await page.locator('#panel-study figcaption').textContent(), /5 of 5 points/);
   ok('a study of one parameter shows its trend');
+
+  await page.getByLabel('Second parameter').selectOption('/scene/operation/radial_load_y_n');
+  for (const count of [0, 1]) await page.getByLabel('Points').nth(count).fill('3');
+  await page.getByRole('button', { name: 'Run study' }).click();
+  const map = page.locator('#panel-study .chart svg');
+  await map.waitFor({ timeout: 120000 });
+  assert.equal(await map.locator('circle.best').count(), 1);
+  assert.match(await map.getAttribute('aria-label'), /9 of 9 points\. Best/);
+  await picture(page, 'map');
+  await accessible(page, 'a map');
+  ok('a study of two parameters opens as a map with its best point');
+
+  await page.locator('#panel-study').getByRole('button', { name: 'Report' }).click();
+  await reportOf(page, 'study', ['Best points', 'Radial load y, N']);
+  await page.getByLabel('Second parameter').selectOption('');
+}
+
+/** The report of the job that is shown: one page with inputs, results, messages and version. Leads back. */
+async function reportOf(page, kind, texts) {
+  const report = page.locator('#report');
+  for (const text of ['Results', 'Messages', 'Inputs', 'raceway 0.', kind, ...texts]) await report.getByText(text).first().waitFor();
+  await report.locator('figure img').first().waitFor();
+  await report.locator('td', { hasText: 'given' }).first().waitFor();
+  assert.ok(!(await page.locator('.desk').isVisible()));
+  await page.emulateMedia({ media: 'print' });
+  assert.ok(!(await report.getByRole('button', { name: 'Print' }).isVisible()), 'buttons are not printed');
+  await page.emulateMedia({ media: null });
+  await picture(page, `report-${kind}`);
+  await accessible(page, `the report of a ${kind}`);
+  await noLeftovers(page);
+  await page.getByRole('button', { name: 'Back' }).click();
+  await page.locator('.desk').waitFor();
+  ok(`the report of a ${kind} has inputs, results, messages and version`);
+}
+
+/** An optimum and a comparison of methods run from the page, and open from the list. */
+async function otherKinds(page) {
+  await tab(page, 'study');
+  const title = page.locator('#panel-result h2');
+  await page.getByLabel('Task').selectOption('optimum');
+  await page.getByRole('button', { name: 'Find optimum' }).click();
+  await page.locator('#panel-result figure img').waitFor({ timeout: 300000 });
+  await page.locator('#panel-result .figures', { hasText: 'Least value' }).waitFor();
+  await picture(page, 'optimum');
+  await accessible(page, 'an optimum');
+  await tab(page, 'study');
+  await page.getByLabel('Task').selectOption('accuracy');
+  await page.getByRole('button', { name: 'Compare methods' }).click();
+  await page.locator('#panel-result summary', { hasText: 'Points as a table' }).waitFor({ timeout: 300000 });
+  await picture(page, 'accuracy');
+  await accessible(page, 'an accuracy job');
+  await tab(page, 'jobs');
+  await page.locator('#panel-jobs tr', { hasText: 'optimum' }).first().getByRole('button', { name: 'Open' }).click();
+  await page.locator('#panel-result summary', { hasText: 'Runs as a table' }).waitFor();
+  await page.locator('#panel-result').getByRole('button', { name: 'Report' }).click();
+  await reportOf(page, 'optimum', ['Runs of the search']);
+  await title.waitFor();
+  await tab(page, 'study');
+  await page.getByLabel('Task').selectOption('study');
+  ok('an optimum and an accuracy job run from the page and open from the list');
 }
 
 /** Defects placed by pointer, keys and fields, a quality of the raceways, and a comparison with ideal ones. */
@@ -711,49 +832,52 @@ async function links(browser, url, hash) {
   ok('a link to a run alone opens it on its tab with its scene; one to none says so');
 }
 
-async function everywhere(browser, url, from) {
-  for (const colorScheme of ['light', 'dark']) {
-    for (const [name, viewport] of [
-      ['1280', DESKTOP],
-      ['390', PHONE],
-    ]) {
-      const { page, context, faults } = await open(browser, { viewport, colorScheme });
-      await page.goto(url + from);
-      await page.locator('.drawing svg').waitFor();
-      await page.locator('#panel-result .line-label').first().waitFor();
-      await page.locator('#surfaces > summary').click();
-      await page.getByRole('button', { name: 'Add outer defect' }).click();
-      await page.locator('.item .pairs', { hasText: 'In the load zone' }).waitFor();
-      await picture(page, `surfaces-${name}-${colorScheme}`);
-      await accessible(page, `surfaces, ${name} px, ${colorScheme}`);
-      await page.getByRole('button', { name: 'Remove defect 1, outer raceway' }).click();
-      for (const panel of TABS) {
-        await tab(page, panel);
-        if (panel === 'study') {
-          await page.getByRole('button', { name: 'Run study' }).click();
-          await page.locator('#panel-study .uplot').waitFor({ timeout: 120000 });
-        }
-        if (panel === 'compare') {
-          for (const [i, label] of ['First run', 'Second run'].entries()) {
-            const select = page.getByLabel(label);
-            await select.locator('option').nth(2).waitFor({ state: 'attached' });
-            await select.selectOption({ index: i + 1 });
-          }
-          await page.locator('#panel-compare .line-label').first().waitFor();
-        }
-        if (panel === 'slider') await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
-        if (panel === 'jobs') await page.locator('#panel-jobs tbody tr').first().waitFor();
-        if (panel === 'shaft') await page.locator('.rotor .shape svg').waitFor({ timeout: 30000 });
-        await picture(page, `${panel}-${name}-${colorScheme}`);
-        const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
-        assert.ok(wide <= inner, `${panel} at ${name} px is ${wide} px wide`);
-        await accessible(page, `${panel}, ${name} px, ${colorScheme}`);
-      }
-      assert.deepEqual(faults, []);
-      await context.close();
+async function everywhere(browser, url, from, colorScheme) {
+  for (const [name, viewport] of [
+    ['1280', DESKTOP],
+    ['390', PHONE],
+  ]) {
+    const { page, context, faults } = await open(browser, { viewport, colorScheme });
+    await page.goto(url + from);
+    await page.locator('.drawing svg').waitFor();
+    await page.locator('#panel-result .line-label').first().waitFor();
+    // On a narrow page the form is folded: the result is on top.
+    if (viewport === PHONE) {
+      assert.ok(!(await page.locator('#preset').isVisible()));
+      await page.locator('#scene-whole > summary').click();
     }
-    ok(`every panel fits 1280 and 390 px and has no serious finding of axe: ${colorScheme}`);
+    await page.locator('#surfaces > summary').click();
+    await page.getByRole('button', { name: 'Add outer defect' }).click();
+    await page.locator('.item .pairs', { hasText: 'In the load zone' }).waitFor();
+    await picture(page, `surfaces-${name}-${colorScheme}`);
+    await accessible(page, `surfaces, ${name} px, ${colorScheme}`);
+    await page.getByRole('button', { name: 'Remove defect 1, outer raceway' }).click();
+    for (const panel of TABS) {
+      await tab(page, panel);
+      if (panel === 'study') {
+        await page.getByRole('button', { name: 'Run study' }).click();
+        await page.locator('#panel-study .uplot').waitFor({ timeout: 120000 });
+      }
+      if (panel === 'compare') {
+        for (const [i, label] of ['First run', 'Second run'].entries()) {
+          const select = page.getByLabel(label);
+          await select.locator('option').nth(2).waitFor({ state: 'attached' });
+          await select.selectOption({ index: i + 1 });
+        }
+        await page.locator('#panel-compare .line-label').first().waitFor();
+      }
+      if (panel === 'slider') await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
+      if (panel === 'jobs') await page.locator('#panel-jobs tbody tr').first().waitFor();
+      if (panel === 'shaft') await page.locator('.rotor .shape svg').waitFor({ timeout: 30000 });
+      await picture(page, `${panel}-${name}-${colorScheme}`);
+      const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
+      assert.ok(wide <= inner, `${panel} at ${name} px is ${wide} px wide`);
+      await accessible(page, `${panel}, ${name} px, ${colorScheme}`);
+    }
+    assert.deepEqual(faults, []);
+    await context.close();
   }
+  ok(`every panel fits 1280 and 390 px and has no finding of axe: ${colorScheme}`);
 }
 
 /** The page of the OpenAPI document, under the same Content-Security-Policy as the page at `/`. */
@@ -775,8 +899,10 @@ async function apiDocument(browser, url) {
 
 async function withToken(browser) {
   const service = await serve({ RACEWAY_API_TOKENS: TOKEN });
+  await example(browser, service.url, true);
   const { page, context, faults } = await open(browser, {}, (status, path) => status === 401 && path.startsWith('/v1/'));
   await page.goto(service.url);
+  await page.locator('#token-enter').click();
   await page.locator('#token').fill('wrong');
   await page.locator('#token').press('Enter');
   await page.getByText('does not know this token').waitFor();
@@ -785,6 +911,7 @@ async function withToken(browser) {
   await page.locator('#token').press('Enter');
   await page.locator('.drawing svg').waitFor();
   await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
   await page.locator('#panel-result .line-label').first().waitFor({ timeout: 60000 });
   const command = await page.locator('#request-curl code').textContent();
   assert.ok(command.includes('"Authorization: Bearer $RACEWAY_TOKEN"') && !command.includes(TOKEN), command);
@@ -804,55 +931,72 @@ await measured.alone();
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ARGUMENTS });
 try {
   const service = process.env.PORTAL_URL ? { url: process.env.PORTAL_URL, stop: () => {} } : await serve();
+  const second = process.env.PORTAL_URL ? service : await serve();
   const { page, context, faults } = await open(
     browser,
     {},
     (status, path) =>
       (status === 422 && path === '/v1/scenes/resolve') || (status === 429 && path === '/v1/jobs') || status === 0,
   );
+  // Times are measured alone.
+  await example(browser, service.url, false);
   await page.goto(service.url);
   await fromPresetToPlot(page);
+<<<<<<< HEAD
   await measured.onResult(page, ok);
   await reloadAndKeys(page);
   const plain = new URL(page.url());
   await orbitAndRest(page);
   await compareTwo(page);
+=======
+>>>>>>> page
   await slide(page);
-  await study(page);
   await tab(page, 'result');
-  await troubles(page, context);
-  assert.deepEqual(faults, [], 'nothing in the console, no other host');
-  await context.close();
-  for (const part of [orderedByName, surfaces]) {
-    const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === '/v1/scenes/resolve');
-    await page.goto(service.url);
-    await page.locator('.drawing svg').waitFor();
-    await part(page);
-    assert.deepEqual(faults, []);
+
+  const plain = { hash: null };
+  const resultsAndStudies = async () => {
+    await reloadAndKeys(page);
+    plain.hash = new URL(page.url()).hash;
+    await orbitAndRest(page);
+    await compareTwo(page);
+    await study(page);
+    await tab(page, 'result');
+    await troubles(page, context);
+    assert.deepEqual(faults, [], 'nothing in the console, no other host');
+    await otherKinds(page);
+    assert.deepEqual(faults, [], 'nothing in the console, no other host');
     await context.close();
-  }
-  {
-    const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === '/v1/rotor');
-    await page.goto(service.url);
-    await page.locator('.drawing svg').waitFor();
-    await shaft(page);
-    assert.deepEqual(faults, []);
-    await context.close();
-  }
-  let built;
-  for (const part of [housing, rigidSpindle]) {
-    const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === '/v1/rotor');
-    await page.goto(service.url);
-    await page.locator('.drawing svg').waitFor();
-    built = (await part(page)) ?? built;
-    assert.deepEqual(faults, []);
-    await context.close();
-  }
-  await links(browser, service.url, plain.hash);
-  await everywhere(browser, service.url, `/${plain.hash}&${new URLSearchParams({ shaft: JSON.stringify(built) })}`);
-  await apiDocument(browser, service.url);
+  };
+  /** The parts with scenes of their own, one after the other. Returns the request of the shaft that was built. */
+  const ownScenes = async () => {
+    let built;
+    for (const [part, refused] of [
+      [orderedByName, '/v1/scenes/resolve'],
+      [surfaces, '/v1/scenes/resolve'],
+      [shaft, '/v1/rotor'],
+      [housing, '/v1/rotor'],
+      [rigidSpindle, '/v1/rotor'],
+    ]) {
+      const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === refused);
+      await page.goto(second.url);
+      await page.locator('.drawing svg').waitFor();
+      built = (await part(page)) ?? built;
+      assert.deepEqual(faults, []);
+      await context.close();
+    }
+    return built;
+  };
+  // Lists of jobs are read, so only services of their own go side by side.
+  const [, built] = second === service ? [await resultsAndStudies(), await ownScenes()] : await Promise.all([resultsAndStudies(), ownScenes()]);
+  const from = `/${plain.hash}&${new URLSearchParams({ shaft: JSON.stringify(built) })}`;
+  const rest = async () => {
+    await links(browser, service.url, plain.hash);
+    await apiDocument(browser, service.url);
+    if (!process.env.PORTAL_URL) await withToken(browser);
+  };
+  await Promise.all([everywhere(browser, service.url, from, 'light'), everywhere(browser, service.url, from, 'dark'), rest()]);
   await service.stop();
-  if (!process.env.PORTAL_URL) await withToken(browser);
+  if (second !== service) await second.stop();
 } catch (error) {
   noted.flat().forEach((fault) => console.error(fault));
   throw error;

@@ -26,8 +26,9 @@ const MAX_RETRIES = 5;
 /** Longest wait before a retry [s]. */
 const MAX_WAIT = 30;
 
-/** `again`: whether the request may be repeated after a broken connection, because a repetition changes nothing. */
-async function send(method, path, { body, headers = {}, signal, again = method === 'GET', retry = true } = {}) {
+/** `again`: whether the request may be repeated after a broken connection, because a repetition changes nothing. `asks`: whether a refused
+ *  request asks for a token. */
+async function send(method, path, { body, headers = {}, signal, again = method === 'GET', retry = true, asks = true } = {}) {
   let waited = false;
   for (let attempt = 0; ; attempt += 1) {
     const token = sessionStorage.getItem(TOKEN);
@@ -46,7 +47,7 @@ async function send(method, path, { body, headers = {}, signal, again = method =
       return null;
     });
     if (response?.status === 401) {
-      if (await newToken(token)) continue;
+      if (asks && (await newToken(token))) continue;
       throw await problemOf(response);
     }
     const wait = retry && attempt < MAX_RETRIES ? waitBefore(response, attempt, again) : null;
@@ -124,29 +125,17 @@ export const analyse = async (job, signal) => (await send('POST', '/v1/rotor', {
 export const submit = async (job) =>
   (await send('POST', '/v1/jobs', { body: job, again: true, headers: { 'Idempotency-Key': key() } })).json();
 
-/** Submits a job and waits for its end. Without retries, because the next position of the slider replaces it. */
-export const submitAndWait = async (job, seconds, signal) =>
-  (await send('POST', '/v1/jobs', { body: job, signal, retry: false, headers: { Prefer: `wait=${seconds}` } })).json();
+/** Runs a simulation without a job: its metrics and spectra. Aborting ends the run. Without retries, because the next position of the slider
+ *  replaces it. */
+export const preview = async (job, signal) => (await send('POST', '/v1/preview', { body: job, signal, retry: false })).json();
 
 /** A random key. `crypto.randomUUID` exists only in secure contexts, and a service on a local network is not one. */
 function key() {
   return [...crypto.getRandomValues(new Uint8Array(16))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
-/** Label of the slider's jobs, by which lists omit them. */
-export const SLIDER = 'portal-slider';
-
-/** Recent jobs `{ jobs, next }` without those of the slider, which may fill whole pages. */
-export async function recentJobs(path = '/v1/jobs?limit=100', wanted = 25) {
-  const found = [];
-  let next = path;
-  for (let pages = 0; next && found.length < wanted && pages < 5; pages += 1) {
-    const page = await get(next);
-    found.push(...page.jobs.filter((job) => !job.labels.includes(SLIDER)));
-    next = page.next;
-  }
-  return { jobs: found, next };
-}
+/** Recent jobs `{ jobs, next }`. */
+export const recentJobs = (path = '/v1/jobs?limit=25') => get(path);
 
 export const spectrum = (id, channel, maxFrequency, signal, kind) => get(spectrumPath(id, channel, maxFrequency, kind), { signal });
 

@@ -150,14 +150,15 @@ function drawMark({ shape, name, chosen, choose }, x, y) {
   );
 }
 
-function scale({ from, to, log }, start, end) {
+/** Positions of the values of an axis between two positions. */
+export function scale({ from, to, log }, start, end) {
   const of = log ? Math.log10 : (value) => value;
   const [a, b] = [of(from), of(to)];
   return (value) => start + ((of(value) - a) / (b - a || 1)) * (end - start);
 }
 
 /** Multiples of 1, 2 or 5 times a power of ten within a range; whole decades of a logarithmic one. */
-function ticks({ from, to, log }, most) {
+export function ticks({ from, to, log }, most) {
   if (log) {
     const [first, last] = [Math.ceil(Math.log10(from) - 1e-9), Math.floor(Math.log10(to) + 1e-9)];
     return Array.from({ length: Math.max(last - first + 1, 0) }, (_, k) => 10 ** (first + k));
@@ -172,4 +173,4 @@ function ticks({ from, to, log }, most) {
   );
 }
 
-const tickText = ({ log }, value) => (log ? power(value) : number(value, 5));
+export const tickText = ({ log }, value) => (log ? power(value) : number(value, 5));

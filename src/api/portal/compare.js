@@ -115,7 +115,7 @@ export class Compare {
   /** Updates the list of finished runs and keeps the selection. */
   async refresh() {
     try {
-      const { jobs } = await api.recentJobs('/v1/jobs?status=succeeded&kind=simulation&limit=200', 50);
+      const { jobs } = await api.recentJobs('/v1/jobs?status=succeeded&kind=simulation&limit=50');
       const pairs = jobs.map((job) => [job.id, `${moment(job.created_at)}  ${title(job.request)}`]);
       for (const chooser of this.chosen) {
         const { value } = chooser;

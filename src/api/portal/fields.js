@@ -6,17 +6,23 @@ import { number } from './format.js';
 const field = (pointer, label, symbol, unit, more = {}) => ({ pointer, label, symbol, unit, ...more });
 
 /** `range`: range of slider and study if the value gives none, or always with `always`. `near`: relative width of the range around the
- *  value. `fixed`: not varied. `pair`: two numbers. `automatic`: the service chooses the value of an empty field. `derived`: pointer to
+ *  value. `fixed`: not varied. `pair`: two numbers. `ramp`: which value of a speed ramp. `materials`: a choice of materials. `help`: where the
+ *  schema has none. `automatic`: the service chooses the value of an empty field. `derived`: pointer to
  *  the derived value of an empty field. */
 export const GROUPS = [
   {
     name: 'Operation',
     open: true,
     fields: [
-      field('/scene/operation/speed_rpm', 'Speed', 'n', 'r/min'),
+      field('/scene/operation/speed_rpm', 'Speed', 'n', 'r/min', { ramp: 'from' }),
+      field('/ramp/to', 'Ramp to', '', 'r/min', {
+        ramp: 'to',
+        help: 'Last speed of a run-up or a run-down. The run is recorded over the ramp and opens as a waterfall. Empty: constant speed.',
+      }),
       field('/scene/operation/radial_load_y_n', 'Radial load y', 'Fy', 'N', { range: [0, 1000] }),
       field('/scene/operation/radial_load_z_n', 'Radial load z', 'Fz', 'N', { range: [0, 1000] }),
-      field('/scene/operation/axial_load_n', 'Axial load', 'Fx', 'N', { range: [0, 500] }),
+      field('/scene/operation/axial_load_n', 'Axial, preload', 'Fx', 'N', { range: [0, 500] }),
+      field('/ramp/time', 'Ramp time', '', 's', { ramp: 'time', help: 'Time from the first to the last speed.' }),
     ],
   },
   {
@@ -47,6 +53,15 @@ export const GROUPS = [
     ],
   },
   {
+    name: 'Materials',
+    fields: [
+      ['ball', 'Balls'],
+      ['inner_raceway', 'Inner raceway'],
+      ['outer_raceway', 'Outer raceway'],
+      ['cage', 'Cage material'],
+    ].map(([part, label]) => field(`/scene/bearing/materials/${part}`, label, '', '', { materials: true, fixed: true })),
+  },
+  {
     name: 'Cage',
     fields: [
       field('/scene/bearing/cage/pocket_clearance_mm', 'Pocket clearance', '', 'mm'),
@@ -61,6 +76,7 @@ export const GROUPS = [
     fields: [
       field('/scene/spindle/balance_grade', 'Balance grade', 'G', 'mm/s', { range: [0, 16] }),
       field('/scene/spindle/mass_kg', 'Mass', 'm', 'kg'),
+      field('/scene/spindle/axial', 'Axial support', '', '', { choices: true, fixed: true }),
     ],
   },
   {

@@ -61,7 +61,9 @@ export function moment(text) {
 }
 
 /** Units at the end of field names. */
-const UNITS = { um: 'µm', mm: 'mm', g: 'g', kg: 'kg', n: 'N', rpm: 'r/min', deg: '°', pa_s: 'Pa·s' };
+export const UNITS = {
+  um: 'µm', mm: 'mm', nm: 'nm', g: 'g', kg: 'kg', n: 'N', rpm: 'r/min', deg: '°', pa_s: 'Pa·s', hz: 'Hz', c: '°C', db: 'dB', s: 's', gpa: 'GPa', m_s2: 'm/s²', m_s: 'm/s',
+};
 const UNIT = new RegExp(`_(${Object.keys(UNITS).join('|')})$`);
 
 /** The fields of a preset that a request changes; the first two by name. */

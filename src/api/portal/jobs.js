@@ -5,8 +5,8 @@ import { h, small, tools } from './dom.js';
 import { moment, title } from './format.js';
 
 export class JobList {
-  constructor(host, { open, compare, say }) {
-    Object.assign(this, { open, compare, say });
+  constructor(host, { open, compare, report, say }) {
+    Object.assign(this, { open, compare, report, say });
     this.rows = h('tbody', {});
     this.older = small('Older jobs', () => this.#load(this.next), { hidden: true });
     this.empty = h('p', { class: 'empty', hidden: true }, 'No jobs yet. Run a scene.');
@@ -66,7 +66,8 @@ export class JobList {
   #row(job) {
     const name = title(job.request);
     const action = (text, act) => small(text, act, { 'aria-label': `${text}: ${name}` });
-    const open = ['simulation', 'study', 'rotor', 'machine'].includes(job.kind) && action('Open', () => this.open(job));
+    const open = action('Open', () => this.open(job));
+    const report = job.status === 'succeeded' && action('Report', () => this.report(job));
     const compare = job.kind === 'simulation' && job.status === 'succeeded' && action('Compare', () => this.compare(job));
     const row = h(
       'tr',
@@ -82,7 +83,7 @@ export class JobList {
         ),
       ),
       h('td', {}, moment(job.created_at)),
-      h('td', { class: 'actions' }, open, compare, api.hasEnded(job) && this.#deletion(job, name, () => row)),
+      h('td', { class: 'actions' }, open, report, compare, api.hasEnded(job) && this.#deletion(job, name, () => row)),
     );
     return row;
   }

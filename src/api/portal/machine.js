@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { h, more, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { channelName, LEVEL_UNIT, level, measured, number, quantity } from './format.js';
-import { messageList } from './messages.js';
+import { isWarning, messageList } from './messages.js';
 import { figure, headlineFigures } from './metrics.js';
 import { Spectra } from './spectra.js';
 
@@ -28,6 +28,29 @@ export class MachineView {
   async show(host, job, signal) {
     const answer = await api.get(job.links.machine, { signal });
     if (signal.aborted) return;
+    this.#take(job, answer);
+    const hasFaults = (job.request.scene.bearings ?? []).some(({ surfaces }) => surfaces);
+    this.spectra.begin(this.channels, hasFaults);
+    host.replaceChildren(
+      this.#summary(),
+      ...messageList(answer.messages.filter(isWarning)),
+      this.stage,
+      this.extras,
+      ...messageList(answer.messages.filter((message) => !isWarning(message))),
+      this.#levels(),
+      this.#bearings(),
+      this.#rest(),
+    );
+    await this.#draw();
+  }
+
+  /** Key values and tables of an answer, for a report. */
+  summary(job, answer) {
+    this.#take(job, answer);
+    return [this.#summary(), this.#levels(), this.#bearings()];
+  }
+
+  #take(job, answer) {
     const passages = Object.values(answer.bearings).map(({ ball_pass_outer_hz: outer }) => outer);
     // The fields by which spectra choose their lines and their limit.
     const { lines, envelope_lines } = answer;
@@ -36,10 +59,6 @@ export class MachineView {
       .filter(isAcceleration)
       .sort((one, other) => isSensor(other) - isSensor(one));
     Object.assign(this, { job, answer });
-    const hasFaults = (job.request.scene.bearings ?? []).some(({ surfaces }) => surfaces);
-    this.spectra.begin(this.channels, hasFaults);
-    host.replaceChildren(this.#summary(), ...messageList(answer.messages), this.#levels(), this.stage, this.extras, this.#bearings(), this.#rest());
-    await this.#draw();
   }
 
   async #draw() {

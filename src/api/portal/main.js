@@ -5,8 +5,11 @@ import { Compare } from './compare.js';
 import { cost, showDerived } from './derived.js';
 import { button, h } from './dom.js';
 import { command, curl } from './download.js';
+import { recordedExample } from './example.js';
 import { title } from './format.js';
 import { JobList } from './jobs.js';
+import { tabOf } from './kinds.js';
+import { Report } from './report.js';
 import { fromAddress, isId, START, toAddress } from './request.js';
 import { Result } from './result.js';
 import { SceneForm } from './scene.js';
@@ -16,14 +19,14 @@ import { Study } from './study.js';
 
 const TABS = ['result', 'slider', 'study', 'compare', 'shaft', 'jobs'];
 
-/** The tab on which a job is shown. */
-const tabOf = ({ kind }) => ({ study: 'study', rotor: 'shaft', machine: 'shaft' })[kind] ?? 'result';
-
 /** Pause in typing after which the scene is resolved [ms]. */
 const TYPING_PAUSE = 180;
 
 /** Pause before a retry when the service cannot be reached [ms]. */
 const RETRY_PAUSE = 3000;
+
+/** Below this width the result is above the form's fields, which open on request. */
+const narrow = matchMedia('(max-width: 56rem)');
 
 const at = (id) => document.getElementById(id);
 const address = fromAddress();
@@ -73,13 +76,27 @@ async function start() {
       location.reload();
     }
   });
-  const [document_, presets] = await Promise.all([api.get('/openapi.json'), api.get('/v1/presets')]);
+  // The actions of the page that need the form come later, the example does not wait for it.
+  const actions = {};
+  const result = new Result(at('panel-result'), {
+    say,
+    onEnd: (job) => say(`${title(job.request)}: ${job.status}.`),
+    rerun: (request) => actions.run(request),
+    edit: (request) => actions.edit(request),
+    report: (job) => openReport(job),
+  });
+  if (address.run === null && JSON.stringify(state.job) === JSON.stringify(START))
+    recordedExample()
+      .then((example) => {
+        if (!state.run) return result.example(example);
+      })
+      .catch((error) => result.clear(error.message));
+  const [document_, presets] = await Promise.all([api.get('/openapi.json'), firstPresets()]);
   api.features.events = Boolean(document_.paths['/v1/jobs/{id}/events']);
   api.features.plots = JSON.stringify(document_.paths['/v1/jobs/{id}/plots/{file}'] ?? '');
 
   const catalogue = () => api.get('/v1/catalogue');
   const form = new SceneForm(at('fields'), { document: document_, presets, onChange: change, compare: compareSurfaces, catalogue });
-  const result = new Result(at('panel-result'), { say, onEnd: ended, rerun: (request) => run(request), edit });
   const panels = { document: document_, request: () => state.job, resolved: () => state.resolved, say };
   const slider = new Slider(at('panel-slider'), {
     ...panels,
@@ -91,15 +108,14 @@ async function start() {
   });
   const study = new Study(at('panel-study'), {
     ...panels,
-    onStart: (job) => {
-      state.run = job.id;
-      remember();
-    },
+    open,
+    report: openReport,
   });
   const compare = new Compare(at('panel-compare'), { say, request: () => state.job, resolved: () => state.resolved });
   const shaft = new Shaft(at('panel-shaft'), {
     ...panels,
     presets,
+    report: openReport,
     request: address.shaft,
     onChange: (request) => {
       state.shaft = request;
@@ -114,6 +130,7 @@ async function start() {
   const jobs = new JobList(at('panel-jobs'), {
     say,
     open,
+    report: openReport,
     compare: async (job) => {
       choose('compare');
       await compare.add(job);
@@ -137,6 +154,7 @@ async function start() {
       at('json').value = JSON.stringify(job, null, 2);
       at('json-error').textContent = '';
     }
+    at('scene-title').textContent = title(job);
     at('request-curl').replaceChildren(command(curl({ method: 'POST', path: '/v1/jobs', body: job, token: api.hasToken() })));
     remember();
     clearTimeout(timer);
@@ -159,6 +177,7 @@ async function start() {
       form.showDefaults(resolved);
       showErrors([]);
       showDerived(at('derived'), resolved);
+      at('derived').hidden = state.tab === 'shaft';
       at('derived').classList.remove('stale');
       at('cost').textContent = cost(resolved);
       if (['slider', 'study'].includes(state.tab) || !resolve.done) opened[state.tab]?.();
@@ -216,15 +235,11 @@ async function start() {
     say('The form has the scene of this run now.');
   }
 
-  function ended(job) {
-    say(`${title(job.request)}: ${job.status}.`);
-  }
-
   async function open(job) {
     state.run = job.id;
     choose(tabOf(job));
     // On a narrow page the result is below the form.
-    if (matchMedia('(max-width: 56rem)').matches)
+    if (narrow.matches)
       at('panel-result').parentElement.querySelector('[role=tablist]').scrollIntoView();
     await show(job);
   }
@@ -234,7 +249,8 @@ async function start() {
     state.tab = tab;
     // A shaft has its own form, and a drawing in the place of the derived quantities of one bearing.
     const isShaft = tab === 'shaft';
-    for (const id of ['scene', 'derived']) at(id).hidden = isShaft;
+    at('scene').hidden = isShaft;
+    at('derived').hidden = isShaft || !state.resolved;
     for (const id of ['shaft-form', 'shaft-drawing']) at(id).hidden = !isShaft;
     if (!isShaft) shaft.close();
     for (const name of TABS) {
@@ -275,6 +291,7 @@ async function start() {
   }
   // A link that is pasted over the current one.
   addEventListener('hashchange', () => {
+    if (report.follow()) return;
     const { job, run, tab } = fromAddress();
     const other = run !== null && run !== state.run;
     if (job && JSON.stringify(job) !== JSON.stringify(state.job)) {
@@ -284,6 +301,9 @@ async function start() {
     if (other) reopen({ job, run, tab });
   });
 
+  Object.assign(actions, { run, edit });
+  at('run').disabled = false;
+  for (const name of TABS) at(`tab-${name}`).disabled = false;
   form.show(state.job);
   if (address.run !== null && !isId(address.run)) state.run = null;
   choose(state.tab);
@@ -318,10 +338,44 @@ async function start() {
   }
 }
 
+/** On a narrow page the fields of the scene open on request: what is on top are the results. */
+function foldScene() {
+  at('scene-whole').open = !narrow.matches;
+}
+narrow.addEventListener('change', foldScene);
+foldScene();
+
+/** The presets. Where the service requires a token, a button asks for it first: the example beside it needs none. */
+async function firstPresets() {
+  for (;;) {
+    try {
+      return await api.get('/v1/presets', { asks: api.hasToken() });
+    } catch (error) {
+      if (error.status !== 401) throw error;
+    }
+    await new Promise((done) => {
+      at('fields').replaceChildren(
+        h('p', { class: 'note' }, 'This service requires a token for runs. The example needs none.'),
+        button('Enter a token', done, { id: 'token-enter' }),
+      );
+      at('scene-whole').open = true;
+    });
+    api.setToken(await askToken(false));
+  }
+}
+
+const report = new Report(at('report'), { say });
+
+/** Opens the report of a job; the page behind it stays as it is. */
+function openReport({ id }) {
+  report.open(id, location.hash);
+}
+
 function remember() {
   toAddress(state);
 }
 
+report.follow();
 start().catch((error) => {
   at('fields').replaceChildren(
     h('p', { class: 'error' }, error.message),

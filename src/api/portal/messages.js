@@ -2,7 +2,7 @@
 
 import { h } from './dom.js';
 
-const isWarning = ({ severity }) => severity === 'warning';
+export const isWarning = ({ severity }) => severity === 'warning';
 
 /** Messages as paragraphs, warnings first. The text is shown as it is; the page branches only on code and severity. */
 export function messageList(messages = []) {

@@ -2,8 +2,8 @@
 
 import { leftOut } from './derived.js';
 import { h, more, table } from './dom.js';
-import { channelName, LEVEL_UNIT, level, measured, number, seconds, words } from './format.js';
-import { messageList } from './messages.js';
+import { channelName, LEVEL_UNIT, level, measured, number, words } from './format.js';
+import { isWarning, messageList } from './messages.js';
 
 const MOTIONS = { decaying: 'regular motion', diverging: 'chaotic motion' };
 
@@ -40,9 +40,9 @@ export function headlineFigures({ headline }) {
   ].filter(Boolean);
 }
 
-/** Messages and key values of a run. */
+/** Levels and other key values of a run, then its warnings. */
 export function summary(metrics) {
-  const { channels = {}, contacts, kinematics, solver, accuracy, messages = [] } = metrics;
+  const { channels = {}, contacts, kinematics, accuracy, messages = [] } = metrics;
   const of = (axis) => channels[`spindle.${axis}.acceleration`]?.level_db;
   const within = (axis) => {
     const { level_error_db: own, level_scatter_db: scatter } = channels[`spindle.${axis}.acceleration`] ?? {};
@@ -52,7 +52,6 @@ export function summary(metrics) {
     return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another time window ± ${number(scatter, 1)}` : known;
   };
   return [
-    ...messageList(messages),
     h(
       'dl',
       { class: 'figures' },
@@ -64,11 +63,14 @@ export function summary(metrics) {
         contacts?.inner &&
           figure('Largest pressure', number(Math.max(contacts.inner.max_pressure_mpa, contacts.outer.max_pressure_mpa)), 'MPa'),
         kinematics?.cage_slip !== undefined && figure('Cage slip', number(kinematics.cage_slip * 100, 2), '%'),
-        figure('Model', words(solver.rung), '', `run time ${seconds(solver.wall_time_s)}`),
       ].filter(Boolean),
     ),
+    ...messageList(messages.filter(isWarning)),
   ];
 }
+
+/** Messages that are no warnings. */
+export const notes = ({ messages = [] }) => messageList(messages.filter((message) => !isWarning(message)));
 
 /** Velocity of the accelerations in the bands of bearing vibration; nothing without spectra. */
 function bandTable(channels) {
@@ -111,9 +113,12 @@ export function tables(metrics) {
     ['Cage (FTF)', f.cage, 'Hz'],
     ['BPFO', f.ball_pass_outer, 'Hz'],
     ['BPFI', f.ball_pass_inner, 'Hz'],
-    ['BSF', f.ball_spin, 'Hz'],
+    ['BSF (ball spin)', f.ball_spin, 'Hz'],
+    ['2×BSF (ball defect)', 2 * f.ball_spin, 'Hz'],
+    ['Model', words(solver.rung)],
     ['Method', words(solver.method)],
     ['Steps', solver.steps, ''],
+    ['Strips per contact', solver.strips, ''],
     ['Simulated', solver.simulated_time_s, 's'],
     ['Wall time', solver.wall_time_s, 's'],
     ['Real-time factor', solver.real_time_factor, ''],
@@ -125,7 +130,7 @@ export function tables(metrics) {
       h('h3', {}, 'Vibration, 0 to 20 kHz'),
       table(
         'Channels',
-        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± over time, dB'],
+        ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '± over time, dB', 'Above 20 kHz'],
         Object.entries(channels).map(([name, c]) => [
           channelName(name),
           c.unit,
@@ -135,6 +140,7 @@ export function tables(metrics) {
           measured(c.kurtosis),
           level(c.level_db),
           measured(c.level_scatter_db),
+          measured(c.above_band),
         ]),
         { hidden: true },
       ),

@@ -79,6 +79,11 @@ class Plot {
   }
 }
 
+/** Longest leader from a label to its line [px]; a label farther away goes unread. */
+const LONGEST_LEADER = 140;
+
+const overlap = (a, b) => a.left < b.right && a.right > b.left && a.top < b.bottom && a.bottom > b.top;
+
 /** Amplitude over frequency of one or two runs, with labelled lines. */
 export class SpectrumPlot extends Plot {
   constructor(host, height = 420) {
@@ -225,22 +230,33 @@ export class SpectrumPlot extends Plot {
     for (const { label, frequency_hz: f, amplitude } of this.drawn.lines) {
       if (!label || f < min || f > max) continue;
       const width = label.length * 6.6 + 6;
-      const x = Math.min(Math.max(u.valToPos(f, 'x'), width / 2), u.over.clientWidth - width / 2);
-      // Above both spectra: a label on the other curve would seem to belong to it.
-      const at = u.valToIdx(f);
-      const there = u.data.slice(1).flatMap((column) => [...column.slice(Math.max(at - 1, 0), at + 2)].filter(Number.isFinite));
-      const y = u.valToPos(Math.max(amplitude, ...there, this.top * 1e-6), 'y') - 18;
-      if (y > u.over.clientHeight - 20) continue;
-      const box = [x - width / 2, x + width / 2, Math.max(y, 0)];
-      if (taken.some(([from, to, top]) => box[0] < to && box[1] > from && Math.abs(top - box[2]) < 17)) continue;
-      taken.push(box);
+      const peak = u.valToPos(f, 'x');
+      const x = Math.min(Math.max(peak, width / 2), u.over.clientWidth - width / 2);
+      // Above all that any spectrum has below the label, so that it crosses no curve; a leader leads to its line.
+      const from = Math.max(u.valToIdx(u.posToVal(x - width / 2, 'x')) - 1, 0);
+      const to = u.valToIdx(u.posToVal(x + width / 2, 'x')) + 2;
+      const least = this.top * 1e-6;
+      const above = u.data.slice(1).reduce((most, column) => column.slice(from, to).reduce((a, v) => (v > a ? v : a), most), least);
+      const end = u.valToPos(Math.max(amplitude, least), 'y') - 2;
+      let y = u.valToPos(Math.max(above, amplitude), 'y') - 18;
+      const boxes = () => [
+        { left: x - width / 2, right: x + width / 2, top: y, bottom: y + 16 },
+        { left: peak - 1, right: peak + 1, top: y + 16, bottom: end },
+      ];
+      const isTaken = () => boxes().some((box) => taken.some((other) => overlap(box, other)));
+      // Over another label there may be room.
+      for (let tries = 0; tries < 3 && y >= 0 && isTaken(); tries += 1) y -= 17;
+      if (y < 0 || y > u.over.clientHeight - 20 || end - y > LONGEST_LEADER || isTaken()) continue;
+      taken.push(...boxes());
       const element = this.#label(used, u);
       used += 1;
       if (element.dataset.line !== label) {
         element.dataset.line = label;
         element.replaceChildren(...lineName(label));
       }
-      element.style.transform = `translate(${Math.round(x)}px, ${Math.round(box[2])}px) translateX(-50%)`;
+      element.style.transform = `translate(${Math.round(x)}px, ${Math.round(y)}px) translateX(-50%)`;
+      element.style.setProperty('--lead', `${Math.max(end - y - 16, 0).toFixed(0)}px`);
+      element.style.setProperty('--aside', `${(peak - x).toFixed(1)}px`);
     }
     for (const left of this.labels.splice(used)) left.remove();
   }

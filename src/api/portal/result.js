@@ -5,15 +5,21 @@ import { h, small } from './dom.js';
 import { keep } from './download.js';
 import { moment, title, words } from './format.js';
 import { MachineView } from './machine.js';
+<<<<<<< HEAD
 import { MeasuredPanel } from './measured.js';
 import { summary, tables } from './metrics.js';
 import { picture } from './plots.js';
+=======
+import { answerOf } from './kinds.js';
+import { notes, summary, tables } from './metrics.js';
+import { answerView, pictures } from './pictures.js';
+>>>>>>> page
 import { Views } from './views.js';
 
 export class Result {
-  /** `say(text)` shows a status message; `onEnd(job)`, `rerun(request)` and `edit(request)` are actions of the page. */
-  constructor(host, { say, onEnd, rerun, edit }) {
-    Object.assign(this, { host, say, onEnd, edit });
+  /** `say(text)` shows a status message; `onEnd(job)`, `rerun(request)`, `edit(request)` and `report(job)` are actions of the page. */
+  constructor(host, { say, onEnd, rerun, edit, report }) {
+    Object.assign(this, { host, say, onEnd, edit, report });
     this.rerun = rerun;
   }
 
@@ -45,6 +51,24 @@ export class Result {
     } catch (error) {
       if (!signal.aborted) this.#failed(error);
     }
+  }
+
+  /** Shows the recorded example: the same view, without actions that need the service. */
+  async example({ version, request, metrics, spectra }) {
+    this.controller?.abort();
+    this.head = null;
+    this.views ??= new Views({ say: this.say, rerun: this.rerun });
+    const text = `Example: the answer of version ${version} to the scene of the form as it opens. Press Run for your own.`;
+    this.host.replaceChildren(
+      h(
+        'div',
+        { class: 'run-head' },
+        h('h2', {}, title(request)),
+        h('div', { class: 'run-state' }, h('span', { class: 'chip' }, 'example'), h('span', { class: 'note' }, text)),
+      ),
+      ...this.#shown(metrics),
+    );
+    await this.views.show({ request, links: {}, spectra }, metrics);
   }
 
   /** Shows only a remark. */
@@ -88,6 +112,7 @@ export class Result {
           note,
           stop,
           small('Edit this scene', () => this.edit(job.request)),
+          this.report && small('Report', () => this.report(job)),
         ),
       ),
       this.body,
@@ -109,17 +134,17 @@ export class Result {
     this.say(error.message);
   }
 
-  /** The plot of an optimum job or an accuracy job. */
+  /** The answer of an optimum job, an accuracy job, or of a kind that this page does not know. */
   async #report(job, signal) {
-    const [image, answer] =
-      job.kind === 'optimum'
-        ? [job.links.optimum_svg, job.links.optimum]
-        : [job.links.work_precision_svg, job.links.accuracy];
-    const svg = await api.getText(image, 'image/svg+xml', { signal });
+    const path = answerOf(job);
+    const [plots, answer] = await Promise.all([pictures(job, { signal }), path ? api.get(path, { signal }) : {}]);
     if (signal.aborted) return;
+    const { first, rest } = answerView(job.kind, answer);
     this.body.replaceChildren(
-      h('figure', {}, picture(svg, title(job.request))),
-      small('Download JSON', () => keep(`${job.kind}-${job.id}.json`, answer, 'application/json')),
+      ...first,
+      ...plots,
+      ...rest,
+      path ? small('Download JSON', () => keep(`${job.kind}-${job.id}.json`, path, 'application/json')) : '',
     );
   }
 
@@ -136,7 +161,7 @@ export class Result {
     this.views ??= new Views({ say: this.say, rerun: this.rerun });
     const metrics = job.metrics ?? (await api.get(job.links.metrics, { signal }));
     if (signal.aborted) return;
-    this.body.replaceChildren(...[summary(metrics), this.views.element, tables(metrics)].flat().filter(Boolean));
+    this.body.replaceChildren(...this.#shown(metrics));
     await this.views.show(job, metrics);
     if (signal.aborted) return;
     this.#measured(job, metrics.lines, metrics.frequencies_hz.shaft, this.views.channels);
@@ -147,6 +172,11 @@ export class Result {
     this.measured ??= new MeasuredPanel();
     this.body.append(this.measured.element);
     this.measured.show({ job, lines, speed_hz, channels });
+  }
+
+  /** Levels first, then the plots, and below them all that explains them. */
+  #shown(metrics) {
+    return [summary(metrics), this.views.element, notes(metrics), tables(metrics)].flat().filter(Boolean);
   }
 }
 

@@ -5,6 +5,7 @@ import { h, select } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
 import { field, Fields, focusFirstError, idOf, offered, ownDimensions, readNumber, textInput } from './form.js';
 import { number, PAIR, pairOf, plainNumber, words } from './format.js';
+import { rampOf, withRamp } from './ramp.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
 
@@ -51,7 +52,8 @@ export class SceneForm {
       const value = spec.lubricants
         ? resolved.scene.lubricant?.kind
         : (read(resolved, spec.pointer) ?? (spec.derived && read(resolved, spec.derived)));
-      if (input.tagName === 'SELECT') input.options[0].textContent = value ? `${words(value)} (default)` : 'automatic';
+      const name = spec.materials ? this.#materialName(value) : value;
+      if (input.tagName === 'SELECT') input.options[0].textContent = typeof name === 'string' ? `${words(name)} (default)` : 'automatic';
       else if (spec.automatic && value === undefined) input.placeholder = 'automatic';
       else input.placeholder = [value].flat().every((one) => typeof one === 'number') ? [value].flat().map(plain).join(PAIR) : '';
     }
@@ -135,19 +137,28 @@ export class SceneForm {
   #field(spec) {
     const schema = schemaAt(this.document, spec.pointer);
     const edited = () => this.#edited(spec, input);
-    const input = spec.choices || spec.lubricants ? select(this.#choices(spec, schema), edited) : textInput(edited);
+    const input = spec.choices || spec.lubricants || spec.materials ? select(this.#choices(spec, schema), edited) : textInput(edited);
     const label = [spec.label, symbol(spec.symbol)].filter(Boolean);
     const id = idOf('f', spec.pointer);
-    return this.#fields.add(spec.pointer, field({ id, label, unit: spec.unit, input, help: help(schema), isWide: spec.wide }));
+    return this.#fields.add(spec.pointer, field({ id, label, unit: spec.unit, input, help: spec.help ?? help(schema), isWide: spec.wide }));
   }
 
   #choices(spec, schema) {
-    const names = spec.lubricants ? Object.keys(this.presets.lubricants) : (schema.enum ?? []);
+    const presets = spec.lubricants ? this.presets.lubricants : spec.materials && this.presets.materials;
+    const names = presets ? Object.keys(presets) : (schema.enum ?? []);
     return [['', 'default'], ...names.map((name) => [name, words(name)])];
+  }
+
+  /** The preset with the constants of a material; nothing for one of its own. */
+  #materialName(material) {
+    const names = ['elastic_modulus_gpa', 'poisson_ratio', 'density_kg_m3'];
+    const isSame = ([, preset]) => names.every((name) => preset[name] === material?.[name]);
+    return Object.entries(this.presets.materials).find(isSame)?.[0];
   }
 
   /** The value of a field in the request; undefined if it is absent. */
   #requested(spec) {
+    if (spec.ramp) return rampOf(this.job)[spec.ramp];
     const value = read(this.job, spec.pointer);
     return spec.lubricants && typeof value === 'object' ? value.kind : value;
   }
@@ -158,6 +169,10 @@ export class SceneForm {
     const { value, error } = isNumber ? this.#fields.read(spec.pointer, spec.pair ? readPair : readNumber) : text;
     if (error) {
       this.onChange(this.job);
+      return;
+    }
+    if (spec.ramp) {
+      this.#update(withRamp(this.job, { ...rampOf(this.job), [spec.ramp]: value }));
       return;
     }
     const keep = spec.lubricants && typeof read(this.job, spec.pointer) === 'object' ? `${spec.pointer}/kind` : spec.pointer;

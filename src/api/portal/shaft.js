@@ -22,8 +22,8 @@ const at = (id) => document.getElementById(id);
 
 export class Shaft {
   /** `request`: the first request, or null for the example; `onChange(request)` gets every changed one, `onOpen(job)` every job shown. */
-  constructor(panel, { document: openapi, presets, request, say, onChange, onOpen }) {
-    Object.assign(this, { say, onChange, onOpen });
+  constructor(panel, { document: openapi, presets, request, say, onChange, onOpen, report }) {
+    Object.assign(this, { say, onChange, onOpen, report });
     this.form = new ShaftForm(at('shaft-fields'), {
       document: openapi,
       presets,
@@ -55,6 +55,7 @@ export class Shaft {
       say,
       onEnd: (job) => say(`Run in time: ${job.status}.`),
       rerun: () => {},
+      report,
       edit: (job) => {
         this.edit(ofJob(job));
         say('The form has the scene of this run now.');
@@ -143,7 +144,7 @@ export class Shaft {
     const place = () => {
       const drawing = at('shaft-drawing');
       if (narrow.matches) at('shaft-form').prepend(drawing);
-      else at('derived').after(drawing);
+      else at('main').prepend(drawing);
     };
     narrow.addEventListener('change', place);
     place();
@@ -267,7 +268,8 @@ export class Shaft {
     }
   }
 
-  #download({ id, links }) {
+  #download(job) {
+    const { id, links } = job;
     const files = [
       ['Campbell SVG', `campbell-${id}.svg`, links.campbell_svg, 'image/svg+xml'],
       ['Shapes SVG', `shapes-${id}.svg`, links.shapes_svg, 'image/svg+xml'],
@@ -276,6 +278,6 @@ export class Shaft {
     ];
     const file = ([text, name, path, type]) =>
       small(text, () => keep(name, path, type).catch((error) => this.say(error.message)));
-    this.files.replaceChildren(tools(h('span', { class: 'note' }, 'Download'), files.filter(([, , path]) => path).map(file)));
+    this.files.replaceChildren(tools(h('span', { class: 'note' }, 'Download'), files.filter(([, , path]) => path).map(file), small('Report', () => this.report(job))));
   }
 }

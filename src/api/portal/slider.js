@@ -1,4 +1,4 @@
-// One parameter by slider: each position is a short job, and the newest one is shown.
+// One parameter by slider: each position is a run without a job, and the newest one is shown.
 
 import * as api from './api.js';
 import { button, h, labelled, more, select, tools } from './dom.js';
@@ -9,51 +9,50 @@ import { usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 import { read, write } from './request.js';
 
-/** Retention of the slider's jobs [s]: enough to fetch the spectrum. */
-const KEEP_FOR_S = 5;
+/** Time that a run has before a newer position cancels it [ms]. If none had any, a moving slider would show nothing. */
+const HEAD_START = 250;
 
-/** Largest number of simultaneous requests: the next one computes while the last one is drawn. */
-const MAX_REQUESTS = 2;
+/** Time after which shown values are dimmed, because the run of the newest position still goes on [ms]. */
+const DIM_AFTER = 150;
 
-/** Time after which a request is aborted for a newer one [ms]. */
-const REQUEST_TIMEOUT = 1500;
-
-/** Processes the newest value and drops older ones that waited. */
+/** Runs only the newest value: older ones that wait are dropped, one that runs is cancelled after its head start. */
 class Latest {
-  #running = new Set();
-  #number = 0;
+  #running = null;
 
-  constructor(work) {
-    this.work = work;
+  /** `work(value, signal)` runs; `changed(isRunning)` is told when the first run begins and the last one has ended. */
+  constructor(work, changed) {
+    Object.assign(this, { work, changed });
   }
 
   push(value) {
     this.waiting = { value };
-    this.#next();
+    if (!this.#running) this.#next();
+    else this.#hurry();
   }
 
   stop() {
     this.waiting = null;
-    for (const run of this.#running) run.controller.abort();
+    this.#running?.controller.abort();
+  }
+
+  #hurry() {
+    const { controller, begin } = this.#running;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.waiting && controller.abort(), Math.max(HEAD_START - (performance.now() - begin), 0));
   }
 
   #next() {
-    if (!this.waiting) return;
-    if (this.#running.size >= MAX_REQUESTS) {
-      const [oldest] = this.#running;
-      if (performance.now() - oldest.begin > REQUEST_TIMEOUT) oldest.controller.abort();
+    clearTimeout(this.timer);
+    if (!this.waiting) {
+      this.#running = null;
+      this.changed(false);
       return;
     }
     const { value } = this.waiting;
     this.waiting = null;
-    const run = { controller: new AbortController(), begin: performance.now(), number: (this.#number += 1) };
-    this.#running.add(run);
-    const timer = setTimeout(() => this.#next(), REQUEST_TIMEOUT + 10);
-    this.work(value, run.controller.signal, run.number).finally(() => {
-      clearTimeout(timer);
-      this.#running.delete(run);
-      this.#next();
-    });
+    if (!this.#running) this.changed(true);
+    this.#running = { controller: new AbortController(), begin: performance.now() };
+    this.work(value, this.#running.controller.signal).finally(() => this.#next());
   }
 }
 
@@ -61,7 +60,10 @@ export class Slider {
   /** `request()` returns the request of the form, `resolved()` its resolved form; `apply(job)` puts a position into the form. */
   constructor(host, { document, request, resolved, apply, say }) {
     Object.assign(this, { document, request, resolved, apply, say });
-    this.latest = new Latest((value, signal, number) => this.#run(value, signal, number));
+    this.latest = new Latest(
+      (value, signal) => this.#run(value, signal),
+      (isRunning) => this.#busy(isRunning),
+    );
     this.frames = [];
     this.field = select(
       VARIED.map((f) => [f.pointer, f.label]),
@@ -95,6 +97,8 @@ export class Slider {
     const gauges = ['Level', 'Frames per second', 'Model', 'Response time'].map(gauge);
     [this.level, this.rate, this.rung, this.delay] = gauges.map(([, dd]) => dd);
     this.error = h('p', { class: 'error', role: 'status' });
+    // Its place is kept, so that nothing moves when it appears.
+    this.progress = h('progress', { class: 'busy', 'aria-label': 'The run of this position' });
     this.place = h('div', {});
     this.plot = new SpectrumPlot(this.place, 400);
     this.plot.describe('Spectrum at the position of the slider. The level is shown above.');
@@ -115,16 +119,21 @@ export class Slider {
       ),
       tools(
         this.value,
+        this.progress,
         this.sweep,
         button('Copy to the form', () => this.apply(this.#job(Number(this.range.value), true))),
       ),
-      h(
-        'dl',
-        { class: 'figures' },
-        gauges.map(([div]) => div),
-      ),
-      this.error,
-      h('figure', {}, this.place, h('figcaption', {}, 'Thin grey: the starting position of the slider.')),
+      (this.shown = h(
+        'div',
+        { class: 'shown' },
+        h(
+          'dl',
+          { class: 'figures' },
+          gauges.map(([div]) => div),
+        ),
+        this.error,
+        h('figure', {}, this.place, h('figcaption', {}, 'Thin grey: the starting position of the slider.')),
+      )),
       this.#asCommand(),
     );
   }
@@ -154,7 +163,7 @@ export class Slider {
     const details = more('This position with curl', place);
     details.addEventListener('toggle', () => {
       const body = this.#job(Number(this.range.value));
-      if (details.open) place.replaceChildren(command(curl({ method: 'POST', path: '/v1/jobs', body, token: api.hasToken() })));
+      if (details.open) place.replaceChildren(command(curl({ method: 'POST', path: '/v1/preview', body, token: api.hasToken() })));
     });
     return details;
   }
@@ -162,6 +171,18 @@ export class Slider {
   stop() {
     this.#toggle(false);
     this.latest.stop();
+  }
+
+  /** Shows that a run goes on, and dims the values of an older position. */
+  #busy(isRunning) {
+    clearTimeout(this.dimming);
+    if (isRunning) this.dimming = setTimeout(() => this.#dim(true), DIM_AFTER);
+    else this.#dim(false);
+  }
+
+  #dim(isOld) {
+    this.shown.classList.toggle('old', isOld);
+    this.progress.classList.toggle('seen', isOld);
   }
 
   #spec() {
@@ -198,32 +219,25 @@ export class Slider {
       ...job,
       ...(tolerance ? { solver: { model_tolerance_db: Number(tolerance) } } : {}),
       outputs: { metrics: ['vibration'], spectra: [this.channel.value] },
-      labels: [api.SLIDER],
-      keep_for_s: KEEP_FOR_S,
-      priority: 1,
     };
   }
 
-  async #run(value, signal, number_) {
+  async #run(value, signal) {
     const begin = performance.now();
     try {
-      const job = await api.submitAndWait(this.#job(value), 10, signal);
-      if (job.status === 'failed') throw new Error(job.error.detail);
-      if (job.status !== 'succeeded') {
-        api.cancel(job).catch(() => {});
-        throw new Error('A run of this scene takes too long for the slider.');
-      }
-      this.limit = this.ghost ? this.limit : usualLimit(job.metrics);
-      const spectrum = await api.spectrum(job.id, this.channel.value, this.limit, signal);
-      if (number_ < this.drawn) return;
-      this.drawn = number_;
-      this.#draw(job, spectrum, begin);
+      const { metrics, spectra } = await api.preview(this.#job(value), signal);
+      if (signal.aborted) return;
+      this.limit = this.ghost ? this.limit : usualLimit(metrics);
+      const [spectrum] = spectra;
+      const count = spectrum.frequency_hz.findLastIndex((frequency) => frequency <= this.limit) + 1;
+      const cut = { frequency_hz: spectrum.frequency_hz.slice(0, count), amplitude: spectrum.amplitude.slice(0, count) };
+      this.#draw(metrics, { ...spectrum, ...cut }, begin);
     } catch (error) {
-      if (!signal.aborted) this.error.textContent = error.message;
+      if (!signal.aborted) this.error.textContent = error.errors?.[0]?.detail ?? error.message;
     }
   }
 
-  #draw({ metrics }, spectrum, begin) {
+  #draw(metrics, spectrum, begin) {
     if (this.ghost?.channel !== spectrum.channel) this.ghost = spectrum;
     this.error.textContent = '';
     this.plot.draw({
@@ -246,6 +260,9 @@ export class Slider {
     this.rate.textContent = rate ? rate.toFixed(0) : '–';
     this.rung.textContent = words(metrics.solver.rung);
     this.delay.textContent = seconds((now - begin) / 1000);
+    // While the slider moves, each position is new for a moment.
+    this.#dim(false);
+    if (this.latest.waiting) this.#busy(true);
     // Read by the automated check.
     this.place.dataset.redraws = String(Number(this.place.dataset.redraws ?? 0) + 1);
   }

@@ -3,6 +3,7 @@
 import * as api from './api.js';
 import { h, labelled, lineName, more, select, table, tools } from './dom.js';
 import { keep } from './download.js';
+import { recordedSpectrum } from './example.js';
 import { channelName, number, quantity } from './format.js';
 import { linesOf, usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
@@ -26,7 +27,7 @@ export class Spectra {
   }
 
   /** Draws into `stage`; returns the files to download, the request of the first of them, and the tables of lines. */
-  async draw(stage, { job: { id }, metrics, channels }, signal) {
+  async draw(stage, { job: { id, spectra }, metrics, channels }, signal) {
     this.metrics = metrics;
     const shown = this.plots.filter(({ kind }) => this.kind === 'both' || this.kind === kind);
     const limitOf = (kind) => this.chosenLimit ?? usualLimit(metrics, kind);
@@ -64,7 +65,14 @@ export class Spectra {
     );
     kind.value = this.kind;
     const path = (kind, limit) => api.spectrumPath(id, this.channel, limit, kind);
-    const found = await Promise.all(shown.map(({ kind }) => api.get(path(kind, limitOf(kind)), { signal })));
+    // A recorded run brings its spectra along.
+    const found = await Promise.all(
+      shown.map(({ kind }) =>
+        spectra
+          ? recordedSpectrum(spectra, this.channel, kind, limitOf(kind))
+          : api.get(path(kind, limitOf(kind)), { signal }),
+      ),
+    );
     stage.replaceChildren(
       tools(labelled('Channel', channel), labelled('Spectrum of the', kind), labelled('Up to', limit, ' kHz')),
       h(

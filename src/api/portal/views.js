@@ -54,6 +54,9 @@ export class Views {
       waterfall: isRunUp || Boolean(job.links.waterfall_svg),
       orders: isRunUp || Boolean(job.links.orders_svg),
     };
+    // Of a recorded run only the spectra are there.
+    this.choice.hidden = Boolean(job.spectra);
+    if (job.spectra) this.view = 'spectrum';
     const radio = (view) => this.element.querySelector(`input[name=view][value=${view}]`);
     Object.entries(exists).forEach(([view, is]) => (radio(view).closest('label').hidden = !is));
     if (exists[this.view] === false) this.view = 'spectrum';
@@ -71,7 +74,8 @@ export class Views {
     };
     const one = ([value, text]) =>
       labelledRadio({ name: 'view', value, checked: value === this.view, onchange: () => choose(value) }, text);
-    return h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'Plot'), VIEWS.map(one));
+    this.choice = h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'Plot'), VIEWS.map(one));
+    return this.choice;
   }
 
   /** Draws the selected view; a newer selection replaces it. */
@@ -94,7 +98,7 @@ export class Views {
 
   async #spectrum(signal) {
     const { files, request, tables } = await this.spectra.draw(this.stage, { job: this.job, metrics: this.metrics, channels: this.channels }, signal);
-    this.extras.replaceChildren(...tables, this.#downloads(files, request));
+    this.extras.replaceChildren(...tables, this.job.spectra ? '' : this.#downloads(files, request));
   }
 
   /** Orbit, velocity or acceleration: from kept series, or the plot of the service. */

@@ -33,8 +33,13 @@ pub struct FrequenciesAnswer {
     pub ball_pass_outer: f64,
     /// Ball pass frequency of the inner raceway, BPFI [Hz].
     pub ball_pass_inner: f64,
-    /// Ball spin frequency, BSF [Hz].
+    /// Ball spin frequency, BSF [Hz]: turns of a ball in the frame of the cage.
     pub ball_spin: f64,
+    /// Strikes of a defect on a ball, 2·BSF [Hz]: it meets both raceways in a turn.
+    // Results of earlier versions have none.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub ball_defect: f64,
 }
 
 /// The solver that ran, and its work.
@@ -178,6 +183,7 @@ impl From<CharacteristicFrequencies> for FrequenciesAnswer {
             ball_pass_outer: f.ball_pass_outer,
             ball_pass_inner: f.ball_pass_inner,
             ball_spin: f.ball_spin,
+            ball_defect: 2.0 * f.ball_spin,
         }
     }
 }

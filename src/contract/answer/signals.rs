@@ -172,6 +172,10 @@ pub struct SeriesAnswer {
     /// Unit of `value`.
     #[schema(example = "µm")]
     pub unit: String,
+    /// Time between recorded values [s], also where the answer leaves some out; absent in results of early versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, minimum = 0, example = 1.953125e-5)]
+    pub dt_s: Option<f64>,
     /// Time since the start of the run, settling included [s].
     pub time_s: Vec<f64>,
     /// Value at each time, in `unit`.
@@ -185,7 +189,7 @@ impl SeriesAnswer {
 
     pub fn new(head: &SeriesHead, value: Vec<f64>) -> Self {
         let time_s = (0..value.len()).map(|index| head.time(index)).collect();
-        Self { channel: head.channel.clone(), unit: head.unit.clone(), time_s, value }
+        Self { channel: head.channel.clone(), unit: head.unit.clone(), dt_s: Some(head.step_s), time_s, value }
     }
 }
 

@@ -43,6 +43,7 @@ impl TraceView {
             time_s: places.map(|place| self.start_s + place as f64 * self.step_s).collect(),
             channel: self.channel,
             unit: self.unit,
+            dt_s: Some(self.step_s),
             value: self.value,
         }
     }

@@ -64,7 +64,7 @@ impl From<SeriesAnswer> for StoredSeries {
             channel: answer.channel.clone(),
             unit: answer.unit.clone(),
             start_s: 0.0,
-            step_s: 0.0,
+            step_s: answer.dt_s.unwrap_or_default(),
             length,
         };
         Self { head, values: Values::Whole(Arc::new(answer)) }
@@ -78,6 +78,11 @@ impl StoredSeries {
 
     pub fn unit(&self) -> &str {
         &self.head.unit
+    }
+
+    /// Time between values [s]; `None` where it is not stored.
+    pub fn step(&self) -> Option<f64> {
+        (self.head.step_s > 0.0).then_some(self.head.step_s)
     }
 
     /// Number of values.
@@ -137,7 +142,8 @@ impl StoredSeries {
             value.extend(self.values(value.len()..end).await?);
         }
         let time_s = (0..end).map(|place| self.time(place)).collect();
-        Ok(SeriesAnswer { channel: self.head.channel.clone(), unit: self.head.unit.clone(), time_s, value })
+        let (channel, unit) = (self.head.channel.clone(), self.head.unit.clone());
+        Ok(SeriesAnswer { channel, unit, dt_s: self.step(), time_s, value })
     }
 
     /// Compares the chunks of these places with their digests.
@@ -218,6 +224,7 @@ mod tests {
         let answer = SeriesAnswer {
             channel: String::new(),
             unit: String::new(),
+            dt_s: None,
             time_s: (0..100).map(f64::from).collect(),
             value: vec![0.0; 100],
         };

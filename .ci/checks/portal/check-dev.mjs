@@ -1,0 +1,994 @@
+// The page at `/` in a real browser: from a preset to a labelled spectrum, orbit, comparison, slider, study and shaft; then the same door
+// with a token. Fails on any error in the console, any request to another host, overflow at 390 px and serious findings of axe.
+//
+// RACEWAY: the binary. SCREENSHOTS: a folder for pictures (optional). CHROMIUM: the browser (default /usr/bin/chromium).
+
+import assert from 'node:assert/strict';
+import { execFileSync, spawn } from 'node:child_process';
+import { cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { chromium } from 'playwright-core';
+
+const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const PICTURES = process.env.SCREENSHOTS;
+const DESKTOP = { width: 1280, height: 900 };
+const PHONE = { width: 390, height: 844 };
+const TABS = ['result', 'slider', 'study', 'compare', 'shaft', 'jobs'];
+const TOKEN = 'token-of-the-check';
+const ARGUMENTS = [
+  '--headless',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--disable-quic',
+  '--no-first-run',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+];
+
+/** What all pages have noted, told when the check fails for another reason, of which it may be the cause. */
+const noted = [];
+
+const ok = (what) => console.log(`ok: ${what}`);
+
+/** `raceway serve` on a free port, with a database of its own. */
+async function serve(environment = {}) {
+  const place = mkdtempSync(join(tmpdir(), 'raceway-portal-'));
+  const kept = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith('RACEWAY')));
+  const service = spawn(
+    process.env.RACEWAY,
+    ['serve', '--listen', '127.0.0.1:0', '--database', `sqlite://${join(place, 'portal.db')}`],
+    { env: { ...kept, ...environment }, stdio: ['ignore', 'pipe', 'ignore'] },
+  );
+  const ended = new Promise((done) => service.once('exit', done));
+  for await (const line of createInterface({ input: service.stdout })) {
+    const stop = async () => {
+      service.kill('SIGTERM');
+      await ended;
+      rmSync(place, { recursive: true });
+    };
+    return { url: line.replace('listening on ', ''), stop };
+  }
+  throw new Error('the service does not start');
+}
+
+/** What needs no browser: a command holds in a shell what it is to say, and a request says no more than it was told. */
+async function alone() {
+  // Node.js takes `.js` for a module where a package says so, and the page has none.
+  const page = mkdtempSync(join(tmpdir(), 'raceway-portal-'));
+  cpSync(new URL('../../../src/api/portal', import.meta.url), page, { recursive: true });
+  writeFileSync(join(page, 'package.json'), '{ "type": "module" }');
+  globalThis.location = { origin: 'http://127.0.0.1:1' };
+  const { curl, quoted } = await import(`${page}/download.js`);
+  const evil = `it's $HOME, "two" \`words\` \\ and ünits\n`;
+  assert.equal(execFileSync('sh', ['-c', `printf %s ${quoted(evil)}`], { encoding: 'utf8' }), evil);
+  const said = execFileSync(
+    'sh',
+    [
+      '-c',
+      `curl() { for word; do printf '%s\\n' "$word"; done; }; ${curl({ method: 'POST', path: '/v1/jobs', body: { labels: [evil] }, token: true })}`,
+    ],
+    { encoding: 'utf8', env: { RACEWAY_TOKEN: 't' } },
+  ).split('\n');
+  assert.ok(said.includes('Authorization: Bearer t') && said.includes(JSON.stringify({ labels: [evil] })), said);
+  const { write } = await import(`${page}/request.js`);
+  const job = { kind: 'simulation', scene: { bearing: '6205', operation: { speed_rpm: 3000 } } };
+  let changed = write(job, '/scene/bearing/ball_count', 8);
+  changed = write(changed, '/scene/lubricant', 'oil');
+  changed = write(changed, '/scene/lubricant/fill', 0.2);
+  assert.deepEqual(changed.scene, {
+    bearing: { preset: '6205', ball_count: 8 },
+    operation: { speed_rpm: 3000 },
+    lubricant: { kind: 'oil', fill: 0.2 },
+  });
+  for (const pointer of ['/scene/bearing/ball_count', '/scene/lubricant/fill', '/scene/lubricant'])
+    changed = write(changed, pointer, undefined);
+  assert.deepEqual(changed, job);
+  const { messageList } = await import(`${page}/messages.js`);
+  globalThis.document = {
+    createElement: () => {
+      const element = { attributes: {}, children: [] };
+      element.setAttribute = (name, value) => Object.assign(element.attributes, { [name]: value });
+      element.append = (...children) => element.children.push(...children);
+      return element;
+    },
+  };
+  const shown = messageList([
+    { code: 'at-limit', severity: 'info', text: 'An info.' },
+    { code: 'not-stationary', severity: 'warning', text: 'A <b>warning</b>.' },
+  ]);
+  delete globalThis.document;
+  assert.deepEqual(
+    shown.map(({ attributes, children }) => [attributes.class, attributes['data-code'], ...children]),
+    [
+      ['warning', 'not-stationary', 'A <b>warning</b>.'],
+      ['note', 'at-limit', 'An info.'],
+    ],
+  );
+  assert.deepEqual(messageList(undefined), []);
+  rmSync(page, { recursive: true });
+  ok('commands are quoted, requests contain only what was edited, messages are sorted by severity');
+}
+
+/** A page that notes everything that must not happen. `expected(status, path)`: refusals that the check provokes, which Chromium itself logs; status 0: no connection. */
+async function open(browser, settings, expected = () => false) {
+  const context = await browser.newContext({ viewport: DESKTOP, ...settings });
+  const page = await context.newPage();
+  const faults = [];
+  noted.push(faults);
+  page.on('pageerror', (error) => faults.push(`page error: ${error.stack}`));
+  page.on('console', (message) => {
+    if (!['error', 'warning'].includes(message.type())) return;
+    const refused = message.text().match(/Failed to load resource: (?:.*status of (\d+)|net::ERR_INTERNET_DISCONNECTED)/);
+    if (refused && expected(Number(refused[1] ?? 0), new URL(message.location().url).pathname)) return;
+    faults.push(`console: ${message.text()} (${message.location().url})`);
+  });
+  page.on('request', (request) => {
+    const { protocol, hostname } = new URL(request.url());
+    if (!['blob:', 'data:'].includes(protocol) && hostname !== '127.0.0.1') faults.push(`request to ${request.url()}`);
+  });
+  return { page, context, faults };
+}
+
+const picture = async (page, name) => {
+  if (PICTURES) await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
+};
+
+/** Findings of axe, of every impact. */
+async function accessible(page, where) {
+  if (!(await page.evaluate(() => Boolean(globalThis.axe)))) await page.evaluate(AXE);
+  const found = await page.evaluate(async () => {
+    const { violations } = await globalThis.axe.run(document, { resultTypes: ['violations'] });
+    return violations
+      .map(
+        ({ id, nodes }) =>
+          `${id}: ${nodes
+            .slice(0, 4)
+            .map((node) => `${node.target} ${node.failureSummary?.split('\n')[1] ?? ''}`)
+            .join(' | ')}`,
+      );
+  });
+  assert.deepEqual(found, [], `axe finds nothing: ${where}`);
+}
+
+const field = (page, pointer) => page.locator(`#f${pointer.replaceAll('/', '-')}`);
+const ofShaft = (page, pointer) => page.locator(`#s${pointer.replaceAll('/', '-')}`);
+const shaftRequest = async (page) => JSON.parse(await page.locator('#shaft-json').inputValue());
+const tab = (page, name) => page.locator(`#tab-${name}`).click();
+
+/** Longest time from opening to the first spectrum [ms]. */
+const FIRST_SPECTRUM = 9000;
+
+/** The first opening shows a recorded example: named so, in time, levels above a spectrum that is in view as a whole. */
+async function example(browser, url, hasToken) {
+  const { page, context, faults } = await open(browser, {}, (status, path) => hasToken && status === 401 && path === '/v1/presets');
+  const times = [];
+  // The first of three opens with cold caches, and the machine has other work.
+  for (let opening = 0; opening < 3; opening += 1) {
+    await page.goto('about:blank');
+    await page.goto(url);
+    await page.waitForFunction(() => document.querySelector('#panel-result .line-label'), undefined, { polling: 'raf' });
+    times.push(await page.evaluate(() => performance.now()));
+  }
+  const least = Math.min(...times);
+  assert.ok(least < FIRST_SPECTRUM, `the first spectrum stands after ${times} ms`);
+  assert.equal(await page.locator('#panel-result .chip').textContent(), 'example');
+  const [levels, plot] = await Promise.all(
+    ['.figures', '.canvas'].map((of) => page.locator(`#panel-result ${of}`).first().boundingBox()),
+  );
+  assert.ok(levels.y < plot.y && plot.y + plot.height <= DESKTOP.height, `levels at ${levels.y}, spectrum to ${plot.y + plot.height} px`);
+  await labelsAreClear(page, '#panel-result');
+  await picture(page, hasToken ? 'example-token' : 'example');
+  await accessible(page, 'the example');
+  if (!hasToken) {
+    await page.locator('.drawing svg').waitFor();
+    await page.keyboard.press('Tab');
+    assert.equal(await page.evaluate(() => document.activeElement.className), 'skip', 'the first stop of the keyboard skips to the results');
+  }
+  assert.deepEqual(faults, []);
+  await context.close();
+  ok(`an example stands after ${Math.round(least)} ms${hasToken ? ', without a token' : ''}`);
+}
+
+/** No label of a line covers another one or a curve: the pixels of the plot behind it have no ink of a curve. */
+async function labelsAreClear(page, panel) {
+  const covered = await page.locator(`${panel} .u-over`).first().evaluate((over) => {
+    const canvas = over.parentElement.querySelector('canvas');
+    const [ratio, frame] = [canvas.width / canvas.clientWidth, canvas.getBoundingClientRect()];
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const accent = getComputedStyle(document.documentElement).getPropertyValue('--accent').trim();
+    const wanted = [1, 3, 5].map((at) => parseInt(accent.slice(at, at + 2), 16));
+    const labels = [...over.querySelectorAll('.line-label')].map((label) => [label.textContent, label.getBoundingClientRect()]);
+    const isInk = (x, y) => {
+      const at = 4 * (Math.round(y) * canvas.width + Math.round(x));
+      return data[at + 3] > 200 && wanted.every((value, k) => Math.abs(data[at + k] - value) < 40);
+    };
+    const onCurve = labels.filter(([, box]) => {
+      const [left, right] = [box.left, box.right].map((at) => (at - frame.left) * ratio);
+      const [top, bottom] = [box.top + 1, box.bottom - 1].map((at) => (at - frame.top) * ratio);
+      for (let x = left; x < right; x += 1) for (let y = top; y < bottom; y += 1) if (isInk(x, y)) return true;
+      return false;
+    });
+    const onLabel = labels.filter(([, a], i) =>
+      labels.some(([, b], k) => k > i && a.left < b.right - 4 && b.left < a.right - 4 && a.top < b.bottom - 1 && b.top < a.bottom - 1),
+    );
+    return [...onCurve, ...onLabel].map(([text]) => text);
+  });
+  assert.deepEqual(covered, [], 'labels cross no curve and no label');
+}
+
+/** A designation with a clearance group, a shaft fit and an oil by grade give the numbers that `resolve` shows. */
+async function orderedByName(page) {
+  const designation = page.getByLabel('Designation');
+  await designation.focus();
+  await page.waitForFunction(() => document.querySelectorAll('#designations option').length === 394);
+  await designation.fill('6206-2RS/C3');
+  await designation.press('Tab');
+  await page.getByText('Clearance, group C3').waitFor();
+  await page.getByText('Catalogue, 6206').waitFor();
+  await field(page, '/scene/bearing/fits/shaft_interference_um').fill('10');
+  await page.waitForFunction(() => document.body.textContent.includes('Shaft fit'));
+  await field(page, '/scene/lubricant/viscosity_grade').selectOption('iso-vg-46');
+  await page.locator('#f-scene-lubricant-temperature_c-error').filter({ hasText: 'required' }).waitFor();
+  await field(page, '/scene/lubricant/temperature_c').fill('80');
+  await page.getByText('10.89').waitFor();
+  await picture(page, 'ordered');
+  await accessible(page, 'a bearing by designation');
+  await designation.fill('7206');
+  await designation.press('Tab');
+  await page.locator('#preset-error').filter({ hasText: '7206A' }).waitFor();
+  ok('a designation, a clearance group and an oil go by name');
+}
+
+async function fromPresetToPlot(page) {
+  await page.locator('.drawing svg').waitFor();
+  await page.selectOption('#preset', 'article-integrated');
+  const speed = field(page, '/scene/operation/speed_rpm');
+  await speed.fill('50000');
+  await page.getByText('833.3').waitFor();
+  ok('a preset and a speed give characteristic frequencies');
+
+  const balls = field(page, '/scene/bearing/ball_count');
+  await balls.fill('99');
+  const error = page.locator('#f-scene-bearing-ball_count-error');
+  await error.filter({ hasText: 'from 2 to 64' }).waitFor();
+  assert.equal(await balls.getAttribute('aria-invalid'), 'true');
+  assert.ok((await balls.getAttribute('aria-describedby')).includes(await error.getAttribute('id')));
+  await picture(page, 'error');
+  await accessible(page, 'an error at a field');
+  await balls.fill('seven');
+  await error.filter({ hasText: 'not a number' }).waitFor();
+  await balls.fill('');
+  await page.waitForFunction(() => !document.querySelector('[aria-invalid]'));
+  ok('a wrong field says so, and is silent once mended');
+
+  assert.deepEqual(JSON.parse(await page.locator('#json').inputValue()).scene.bearing, 'article-integrated');
+  await page.locator('#request summary').first().click();
+  const job = JSON.parse(await page.locator('#json').inputValue());
+  job.scene.operation.radial_load_y_n = 200;
+  await page.locator('#json').fill(JSON.stringify(job));
+  await page.waitForFunction(() => document.querySelector('#f-scene-operation-radial_load_y_n').value === '200');
+  await page.locator('#request summary').first().click();
+  ok('the request as JSON and the form say the same');
+
+  await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
+  await page.locator('#panel-result .line-label').first().waitFor({ timeout: 60000 });
+  const labels = await page.locator('#panel-result .line-label').allTextContents();
+  assert.ok(
+    labels.some((label) => label.includes('BPFO')),
+    `labels: ${labels}`,
+  );
+  ok(`the spectrum names its lines: ${labels.slice(0, 5).join(', ')}`);
+
+  await page.locator('#panel-result').getByLabel('Spectrum of the').selectOption('envelope');
+  const caption = page.locator('#panel-result figcaption').first();
+  await caption.filter({ hasText: 'Envelope spectrum' }).filter({ hasText: 'Strongest line' }).waitFor();
+  await page.getByText('Velocity by band').waitFor();
+  ok(`the envelope has lines, too: ${(await caption.textContent()).split('. ').at(-2)}`);
+  await page.locator('#panel-result').getByLabel('Spectrum of the').selectOption('amplitude');
+  await caption.filter({ hasText: 'Amplitude spectrum' }).waitFor();
+}
+
+/** A reload keeps the scene and the run; the tabs are a keyboard's. */
+async function reloadAndKeys(page) {
+  await page.reload();
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.equal(await field(page, '/scene/operation/speed_rpm').inputValue(), '50000');
+  await page.locator('#tab-result').press('ArrowRight');
+  assert.equal(await page.locator('#tab-slider').getAttribute('aria-selected'), 'true');
+  await page.keyboard.press('Home');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'tab-result');
+  ok('a reload keeps scene and run; arrow keys move between the tabs');
+}
+
+/** A full queue is waited for; a connection that was lost is found again. */
+async function troubles(page, context) {
+  let refusals = 1;
+  await page.route('**/v1/jobs', (route) => {
+    if (route.request().method() !== 'POST' || refusals === 0) return route.continue();
+    refusals -= 1;
+    return route.fulfill({
+      status: 429,
+      contentType: 'application/problem+json',
+      headers: { 'Retry-After': '1' },
+      body: '{"title":"full"}',
+    });
+  });
+  await field(page, '/scene/operation/radial_load_y_n').fill('210');
+  await page.locator('#run').click();
+  await page.locator('#status', { hasText: 'The queue is full; trying again in 1 s.' }).waitFor();
+  await page.getByRole('heading', { name: /210/ }).waitFor();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
+  await page.unroute('**/v1/jobs');
+  await context.setOffline(true);
+  await field(page, '/scene/operation/radial_load_y_n').fill('220');
+  await page.locator('#scene-errors', { hasText: 'cannot be reached' }).waitFor();
+  await context.setOffline(false);
+  await page.waitForFunction(() => document.querySelector('#scene-errors').textContent === '');
+  await field(page, '/scene/operation/radial_load_y_n').fill('200');
+  ok('a full queue is waited for, a lost connection is found again');
+}
+
+async function orbitAndRest(page) {
+  const view = (value) => page.locator(`input[name=view][value=${value}]`).check({ force: true });
+  await view('orbit');
+  const shown = page.locator('#panel-result .stage img.picture, #panel-result svg.orbit');
+  const again = page.getByRole('button', { name: 'Run again with time series' });
+  await shown.or(again).first().waitFor();
+  if (await again.isVisible()) await again.click();
+  await shown.waitFor({ timeout: 60000 });
+  await picture(page, 'orbit');
+  ok('the orbit is shown');
+  await view('velocity');
+  await page.locator('#panel-result .stage .uplot, #panel-result .stage img.picture').first().waitFor();
+  await view('loads');
+  await page.locator('#panel-result .stage svg.bars, #panel-result .stage img.picture').first().waitFor();
+  await view('spectrum');
+  await page.locator('#panel-result .line-label').first().waitFor();
+  await page.getByRole('button', { name: 'Zoom in' }).first().click();
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'Spectrum CSV' }).click(),
+  ]);
+  assert.match(await readFile(await download.path(), 'utf8'), /^frequency_hz/m);
+  ok('velocity, ball loads and a CSV of the spectrum are there');
+  await noLeftovers(page);
+}
+
+/** What a page says where a value was forgotten. */
+async function noLeftovers(page) {
+  const found = await page.evaluate(() => {
+    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+    const texts = [];
+    while (walker.nextNode()) texts.push(walker.currentNode.data.trim());
+    return texts.filter((text) => /\b(null|undefined|NaN)\b|\[object /.test(text));
+  });
+  assert.deepEqual(found, [], 'no value is missing on the page');
+  ok('nothing on the page says null, undefined or NaN');
+}
+
+async function compareTwo(page) {
+  await field(page, '/scene/bearing/radial_clearance_um').fill('8');
+  await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
+  await tab(page, 'jobs');
+  const buttons = page.getByRole('button', { name: /^Compare:/ });
+  await buttons.first().waitFor();
+  await buttons.nth(0).click();
+  await tab(page, 'jobs');
+  await buttons.nth(1).click();
+  await page.locator('#panel-compare table tbody tr').first().waitFor();
+  await page.locator('#panel-compare .line-label').first().waitFor();
+  const rows = await page.locator('#panel-compare tbody tr').count();
+  assert.ok(rows > 8, `${rows} differences`);
+  ok('two runs lie over each other');
+  const other = await page.context().newPage();
+  await other.goto(page.url().split('#')[0]);
+  await tab(other, 'compare');
+  await other.locator('#panel-compare table tbody tr').first().waitFor();
+  await other.close();
+  ok('and so do the last two where none is chosen');
+}
+
+/** Median of redraws a second, over more than 3 s. */
+async function slide(page) {
+  await tab(page, 'slider');
+  await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
+  const count = () => page.evaluate(() => Number(document.querySelector('#panel-slider [data-redraws]').dataset.redraws));
+  await page.getByRole('button', { name: 'Sweep' }).click();
+  const counts = [];
+  for (let second = 0; second <= 5; second += 1) {
+    counts.push(await count());
+    await page.waitForTimeout(1000);
+  }
+  await page.getByRole('button', { name: 'Stop' }).click();
+  const rates = counts
+    .slice(1)
+    .map((now, i) => now - counts[i])
+    .sort((a, b) => a - b);
+  assert.ok(rates.at(-1) > 0, 'the slider draws');
+  console.log(`slider: ${rates[Math.floor(rates.length / 2)]} redraws a second (median of ${rates.join(', ')})`);
+}
+
+async function study(page) {
+  await tab(page, 'study');
+  await page.getByLabel('Points').fill('5');
+  await page.getByRole('button', { name: 'Run study' }).click();
+  await page.locator('#panel-study .uplot canvas').waitFor({ timeout: 120000 });
+  assert.match(await page.locator('#panel-study figcaption').textContent(), /5 of 5 points/);
+  ok('a study of one parameter shows its trend');
+
+  await page.getByLabel('Second parameter').selectOption('/scene/operation/radial_load_y_n');
+  for (const count of [0, 1]) await page.getByLabel('Points').nth(count).fill('3');
+  await page.getByRole('button', { name: 'Run study' }).click();
+  const map = page.locator('#panel-study .chart svg');
+  await map.waitFor({ timeout: 120000 });
+  assert.equal(await map.locator('circle.best').count(), 1);
+  assert.match(await map.getAttribute('aria-label'), /9 of 9 points\. Best/);
+  await picture(page, 'map');
+  await accessible(page, 'a map');
+  ok('a study of two parameters opens as a map with its best point');
+
+  await page.locator('#panel-study').getByRole('button', { name: 'Report' }).click();
+  await reportOf(page, 'study', ['Best points', 'Radial load y, N']);
+  await page.getByLabel('Second parameter').selectOption('');
+}
+
+/** The report of the job that is shown: one page with inputs, results, messages and version. Leads back. */
+async function reportOf(page, kind, texts) {
+  const report = page.locator('#report');
+  for (const text of ['Results', 'Messages', 'Inputs', 'raceway 0.', kind, ...texts]) await report.getByText(text).first().waitFor();
+  await report.locator('figure img').first().waitFor();
+  await report.locator('td', { hasText: 'given' }).first().waitFor();
+  assert.ok(!(await page.locator('.desk').isVisible()));
+  await page.emulateMedia({ media: 'print' });
+  assert.ok(!(await report.getByRole('button', { name: 'Print' }).isVisible()), 'buttons are not printed');
+  await page.emulateMedia({ media: null });
+  await picture(page, `report-${kind}`);
+  await accessible(page, `the report of a ${kind}`);
+  await noLeftovers(page);
+  await page.getByRole('button', { name: 'Back' }).click();
+  await page.locator('.desk').waitFor();
+  ok(`the report of a ${kind} has inputs, results, messages and version`);
+}
+
+/** An optimum and a comparison of methods run from the page, and open from the list. */
+async function otherKinds(page) {
+  await tab(page, 'study');
+  const title = page.locator('#panel-result h2');
+  await page.getByLabel('Task').selectOption('optimum');
+  await page.getByRole('button', { name: 'Find optimum' }).click();
+  await page.locator('#panel-result figure img').waitFor({ timeout: 300000 });
+  await page.locator('#panel-result .figures', { hasText: 'Least value' }).waitFor();
+  await picture(page, 'optimum');
+  await accessible(page, 'an optimum');
+  await tab(page, 'study');
+  await page.getByLabel('Task').selectOption('accuracy');
+  await page.getByRole('button', { name: 'Compare methods' }).click();
+  await page.locator('#panel-result summary', { hasText: 'Points as a table' }).waitFor({ timeout: 300000 });
+  await picture(page, 'accuracy');
+  await accessible(page, 'an accuracy job');
+  await tab(page, 'jobs');
+  await page.locator('#panel-jobs tr', { hasText: 'optimum' }).first().getByRole('button', { name: 'Open' }).click();
+  await page.locator('#panel-result summary', { hasText: 'Runs as a table' }).waitFor();
+  await page.locator('#panel-result').getByRole('button', { name: 'Report' }).click();
+  await reportOf(page, 'optimum', ['Runs of the search']);
+  await title.waitFor();
+  await tab(page, 'study');
+  await page.getByLabel('Task').selectOption('study');
+  ok('an optimum and an accuracy job run from the page and open from the list');
+}
+
+/** Defects placed by pointer, keys and fields, a quality of the raceways, and a comparison with ideal ones. */
+async function surfaces(page) {
+  await page.selectOption('#preset', 'article-integrated');
+  await page.locator('#surfaces > summary').click();
+  // The drawing of the preset takes the place of the first one, and with it the place to click.
+  await page.locator('#f-scene-bearing-pitch_diameter_mm[placeholder="13"]').waitFor();
+  const svg = page.locator('.placing svg');
+  await svg.waitFor();
+  await svg.evaluate((element) => element.scrollIntoView({ block: 'start' }));
+  const middle = async () => {
+    const { x, y, width, height } = await svg.boundingBox();
+    return { x: x + width / 2, y: y + height / 2, half: width / 2 };
+  };
+  const { x, y, half } = await middle();
+  await page.mouse.click(x + half * 0.85 * Math.sin(Math.PI / 6), y + half * 0.85 * Math.cos(Math.PI / 6));
+  const azimuth = field(page, '/scene/surfaces/outer/defects/0/azimuth_deg');
+  await azimuth.waitFor();
+  assert.equal(await azimuth.inputValue(), '30');
+  const handle = page.getByRole('slider', { name: 'Azimuth of defect 1, outer raceway' });
+  await handle.press('PageDown');
+  await handle.press('ArrowLeft');
+  assert.equal(await azimuth.inputValue(), '19');
+  const knob = await page.locator('.placing .knob').boundingBox();
+  const now = await middle();
+  await page.mouse.move(knob.x + knob.width / 2, knob.y + knob.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(now.x, now.y + now.half * 0.85, { steps: 4 });
+  await page.mouse.up();
+  assert.equal(await azimuth.inputValue(), '0');
+  ok('a defect is placed by a click, moved by keys and by its handle');
+
+  const length = field(page, '/scene/surfaces/outer/defects/0/length_mm');
+  await length.fill('900');
+  const tooLong = page.locator('#surfaces .item .error', { hasText: 'must be below' });
+  await tooLong.waitFor();
+  await length.fill('0.3');
+  await field(page, '/scene/surfaces/outer/defects/0/depth_um').fill('3');
+  const facts = page.locator('.item .pairs').first();
+  await facts.filter({ hasText: 'In the load zone' }).filter({ hasText: 'Entry to last impact' }).waitFor();
+  await tooLong.waitFor({ state: 'detached' });
+  ok('it has its facts beside it, and its errors at the field');
+
+  await page.getByRole('button', { name: 'Add inner defect' }).click();
+  await page.getByRole('button', { name: 'Remove defect 1, inner raceway' }).click();
+  await page.locator('#surfaces-preset').selectOption('precision');
+  await page.getByText('Waviness, outer raceway').click();
+  await page.getByRole('button', { name: 'Add outer wave' }).click();
+  await field(page, '/scene/surfaces/outer/waviness/0/order').fill('8');
+  assert.deepEqual(JSON.parse(await page.locator('#json').inputValue()).scene.surfaces, {
+    outer: { defects: [{ azimuth_deg: 0, length_mm: 0.3, depth_um: 3 }], waviness: [{ order: 8, amplitude_nm: 10 }] },
+    preset: 'precision',
+  });
+  await picture(page, 'surfaces');
+  await accessible(page, 'surfaces');
+  ok('quality and waves stand in the request, removed defects do not');
+
+  const band = field(page, '/outputs/envelope_band_hz');
+  await page.locator('summary', { hasText: /^Run$/ }).click();
+  await band.fill('890');
+  await page.locator('.field', { has: band }).locator('.error', { hasText: 'not two numbers' }).waitFor();
+  await band.fill('890 to 3500');
+  await field(page, '/outputs/envelope').selectOption('squared');
+  assert.deepEqual(JSON.parse(await page.locator('#json').inputValue()).outputs, {
+    envelope_band_hz: [890, 3500],
+    envelope: 'squared',
+  });
+  ok('band and square of the envelope stand in the request');
+
+  const job = JSON.parse(await page.locator('#json').inputValue());
+  await page.locator('#request summary').first().click();
+  await page.locator('#json').fill(JSON.stringify({ ...job, settle_s: 0.02, duration_s: 0.03, solver: { rung: 'planar' } }));
+  await page.waitForFunction(() => document.querySelector('#f-duration_s').value === '0.03');
+  await page.locator('#request summary').first().click();
+  await page.waitForTimeout(600);
+  await page.getByRole('button', { name: 'Run with and without', exact: true }).click();
+  await page.locator('#panel-compare .line-label').first().waitFor({ timeout: 300000 });
+  await page.locator('#panel-compare').getByLabel('Spectrum of the').selectOption('envelope');
+  await page.locator('#panel-compare figcaption', { hasText: 'Envelope spectra' }).waitFor();
+  await picture(page, 'compare-surfaces');
+  ok('with and without surfaces lie over each other');
+  await tab(page, 'result');
+  await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 300000 });
+  await page.locator('input[name=view][value=impact]').check({ force: true });
+  await page.locator('#panel-result .stage img.picture').waitFor();
+  await picture(page, 'impact');
+  ok('the signal around an impact is shown');
+  await noLeftovers(page);
+}
+
+/** A shaft: drawn, moved by keys and pointer, analysed with each edit, run in time, and opened from the list. */
+async function shaft(page) {
+  await tab(page, 'shaft');
+  const natural = page.locator('.rotor table').first();
+  await natural.waitFor({ timeout: 30000 });
+  const of = (pointer) => ofShaft(page, pointer);
+  const place = of('/scene/bearings/0/at_mm');
+  const drawn = page.locator('[data-pointer="/scene/bearings/0"]');
+  assert.equal(await place.inputValue(), '55');
+  await drawn.press('PageUp');
+  await drawn.press('ArrowRight');
+  assert.equal(await place.inputValue(), '66');
+  assert.equal(await drawn.getAttribute('aria-valuenow'), '66');
+  const ball = await drawn.locator('.ball').first().boundingBox();
+  await page.mouse.move(ball.x + ball.width / 2, ball.y + ball.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(ball.x + ball.width / 2 - 60, ball.y + ball.height / 2, { steps: 4 });
+  await page.mouse.up();
+  assert.ok(Number(await place.inputValue()) < 60, await place.inputValue());
+  await drawn.press('Enter');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 's-scene-bearings-0-bearing');
+  ok('a bearing of the shaft moves by keys and pointer; Enter leads to its fields');
+
+  await place.fill('999');
+  const error = page.locator('#s-scene-bearings-0-at_mm-error', { hasText: 'from 0 to 290 mm' });
+  await error.waitFor();
+  assert.equal(await place.getAttribute('aria-invalid'), 'true');
+  await page.locator('.analysis.stale').waitFor();
+  await accessible(page, 'an error of the shaft');
+  await place.fill('x');
+  await page.locator('#s-scene-bearings-0-at_mm-error', { hasText: 'not a number' }).waitFor();
+  await place.fill('55');
+  await page.locator('.analysis:not(.stale)').waitFor();
+  ok('an error of the shaft stands at its field');
+
+  const firstCritical = () => page.locator('input[value=critical-0]').locator('xpath=..').textContent();
+  await page.waitForFunction(() => document.querySelector('input[value=critical-0]'));
+  const before = await firstCritical();
+  await of('/scene/shaft/sections/2/outer_diameter_mm').fill('60');
+  await page.waitForFunction((text) => document.querySelector('input[value=critical-0]')?.parentElement.textContent !== text, before);
+  await of('/scene/shaft/sections/2/outer_diameter_mm').fill('46');
+  await page.waitForFunction((text) => document.querySelector('input[value=critical-0]')?.parentElement.textContent === text, before);
+  ok(`the analysis follows each edit; first critical speed${before}`);
+
+  await page.locator('.chart .mark').first().press('Enter');
+  assert.equal(await page.locator('input[name=motion]:checked').inputValue(), 'critical-0');
+  await page.locator('input[name=motion]:checked').press('ArrowDown');
+  await page.locator('.shape + figcaption', { hasText: 'forward' }).waitFor();
+  ok('a mode shape is chosen on the diagram and by keys');
+
+  await page.locator('summary', { hasText: 'Linear supports' }).click();
+  await page.getByRole('button', { name: 'Add support' }).click();
+  await page.locator('.rotor td, .rotor th', { hasText: 'support 1' }).waitFor();
+  await page.locator('[data-pointer="/scene/supports/0"]').press('Delete');
+  await page.locator('.rotor th', { hasText: 'support 1' }).waitFor({ state: 'detached' });
+  assert.equal((await shaftRequest(page)).scene.supports, undefined);
+  ok('a support is added and removed');
+
+  await page.locator('summary', { hasText: 'Spall of the outer raceway' }).first().click();
+  for (const [name, value] of [
+    ['azimuth_deg', '0'],
+    ['length_mm', '0.8'],
+    ['depth_um', '3'],
+  ])
+    await of(`/scene/bearings/0/surfaces/outer/defects/0/${name}`).fill(value);
+  await page.locator('summary', { hasText: /^Run in time$/ }).click();
+  await of('/duration_s').fill('0.05');
+  await of('/settle_s').fill('0.02');
+  await page.locator('#shaft-run').click();
+  await page.locator('#panel-shaft .line-label', { hasText: 'BPFO@A' }).first().waitFor({ timeout: 300000 });
+  await page.locator('#panel-shaft figcaption', { hasText: 'Envelope spectrum of sensor nose acceleration' }).waitFor();
+  await picture(page, 'machine');
+  await accessible(page, 'the run of a shaft in time');
+  ok('a run in time shows levels, spectrum and envelope with lines of the bearing');
+
+  await page.locator('input[name=shaft-view][value=analysis]').check({ force: true });
+  await page.getByRole('button', { name: 'Keep as a job' }).click();
+  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor({ timeout: 60000 });
+  await page.reload();
+  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor({ timeout: 60000 });
+  await tab(page, 'jobs');
+  await page.locator('#panel-jobs tr', { hasText: 'machine' }).first().getByRole('button', { name: 'Open' }).click();
+  await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 60000 });
+  await tab(page, 'jobs');
+  await page.locator('#panel-jobs tr', { hasText: 'rotor' }).first().getByRole('button', { name: 'Open' }).click();
+  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor();
+  ok('jobs of a shaft are kept, survive a reload and open from the list');
+}
+
+/** A motor spindle in a housing, built in the form: analysed, run in time to the spectrum of a sensor on it, then changed and taken apart. Returns its request. */
+async function housing(page) {
+  await tab(page, 'shaft');
+  const of = (pointer) => ofShaft(page, pointer);
+  const drawn = (pointer) => page.locator(`[data-pointer="${pointer}"]`);
+  const row = (text) => page.locator('.rotor th', { hasText: text });
+  await row('B').first().waitFor({ timeout: 30000 });
+
+  await page.locator('#shaft-fields summary', { hasText: 'Housing bodies' }).click();
+  await page.getByRole('button', { name: 'Add body' }).click();
+  assert.equal(await page.evaluate(() => document.activeElement.id), 's-scene-housing-bodies-0-at_mm');
+  await page.locator('fieldset', { hasText: 'Body 1' }).getByText('nothing restrains `head` along x').waitFor();
+  await page.locator('#shaft-fields summary', { hasText: 'Housing mounts' }).click();
+  await page.getByRole('button', { name: 'Add mount' }).click();
+  await row('mount 1').waitFor();
+  ok('a body that nothing holds is refused at its fields; a mount holds it');
+
+  for (const bearing of [0, 1]) {
+    await page.locator('summary', { hasText: 'Outer ring' }).nth(bearing).click();
+    await of(`/scene/bearings/${bearing}/outer_ring/on`).selectOption('head');
+  }
+  await page.getByRole('button', { name: 'Remove preload 1' }).click();
+  const seat = of('/scene/bearings/1/outer_ring/seat');
+  const [stiffness, spring] = ['stiffness_n_per_um/1', 'spring_force_n'].map((name) => of(`/scene/bearings/1/outer_ring/${name}`));
+  assert.ok((await stiffness.isHidden()) && (await spring.isHidden()));
+  await seat.selectOption('elastic');
+  await of('/scene/bearings/1/outer_ring/stiffness_n_per_um/0').fill('200');
+  await page.locator('#s-scene-bearings-1-outer_ring-stiffness_n_per_um-1-error', { hasText: 'from 0.001' }).waitFor();
+  assert.equal(await stiffness.getAttribute('aria-invalid'), 'true');
+  await seat.selectOption('sliding');
+  await page.locator('#s-scene-bearings-1-outer_ring-spring_force_n-error:not(:empty)').waitFor();
+  assert.ok((await stiffness.isHidden()) && (await spring.isVisible()));
+  await accessible(page, 'an error of a housing');
+  await spring.fill('300');
+  await of('/scene/bearings/1/outer_ring/spring_n_per_um').fill('0.1');
+  await page.locator('.analysis:not(.stale)').waitFor();
+  assert.deepEqual((await shaftRequest(page)).scene.bearings[1].outer_ring, {
+    on: 'head',
+    seat: 'sliding',
+    spring_force_n: 300,
+    spring_n_per_um: 0.1,
+  });
+  assert.equal(await drawn('/scene/bearings/1').getAttribute('aria-label'), 'Place of bearing B, sliding under a spring in head');
+  ok('a seat shows its own fields, and their errors stand at them');
+
+  await page.locator('#shaft-fields summary', { hasText: 'Sensors' }).click();
+  await page.getByRole('button', { name: 'Add sensor' }).click();
+  const sensor = '/scene/sensors/1';
+  await of(`${sensor}/name`).fill('acc');
+  await of(`${sensor}/at_mm`).fill('55');
+  await of(`${sensor}/on`).selectOption('head');
+  await of('/scene/sensors/0/relative_to').selectOption('head');
+  await row('acc').waitFor();
+  assert.equal(await drawn(sensor).getAttribute('aria-label'), 'Place of sensor acc, y, on head');
+  assert.equal(await drawn('/scene/sensors/0').getAttribute('aria-label'), 'Place of sensor nose, y, relative to head');
+  await drawn('/scene/housing/bodies/0').press('PageUp');
+  assert.equal(await of('/scene/housing/bodies/0/at_mm').inputValue(), '155');
+  await drawn('/scene/housing/mounts/0').press('ArrowLeft');
+  assert.equal(await of('/scene/housing/mounts/0/at_mm').inputValue(), '144');
+  const [frame, ring] = await Promise.all([
+    drawn('/scene/housing/bodies/0').locator('rect').boundingBox(),
+    drawn('/scene/bearings/1').locator('.ring').first().boundingBox(),
+  ]);
+  assert.ok(frame.x < ring.x && frame.x + frame.width > ring.x + ring.width && frame.y < ring.y, 'the body is drawn around what it holds');
+  await of('/scene/housing/bodies/0/name').fill('case');
+  await page.locator('.analysis:not(.stale)').waitFor();
+  const { scene } = await shaftRequest(page);
+  assert.deepEqual(
+    [scene.bearings[0].outer_ring.on, scene.housing.mounts[0].body, scene.sensors[1].on, scene.sensors[0].relative_to],
+    ['case', 'case', 'case', 'case'],
+  );
+  ok('bodies, mounts and sensors are drawn and move by keys; a new name of a body goes wherever it is named');
+
+  await of('/scene/operation/outer_speed_rpm').fill('100');
+  await page.locator('#s-scene-operation-outer_speed_rpm-error', { hasText: 'outer rings that move' }).waitFor();
+  await of('/scene/operation/outer_speed_rpm').fill('');
+  await page.locator('.analysis:not(.stale)').waitFor();
+  await page.locator('summary', { hasText: /^Run in time$/ }).click();
+  await of('/duration_s').fill('0.05');
+  await of('/settle_s').fill('0.02');
+  const built = await shaftRequest(page);
+  await page.locator('#shaft-run').click();
+  const channel = page.locator('#panel-shaft .stage label', { hasText: 'Channel' }).locator('select');
+  await channel.waitFor({ timeout: 300000 });
+  await channel.selectOption('sensor.acc.acceleration');
+  const caption = page.locator('#panel-shaft figcaption', { hasText: 'Amplitude spectrum of sensor acc acceleration' });
+  await caption.waitFor();
+  await picture(page, 'housing-run');
+  await noLeftovers(page);
+  ok(`a spindle in a housing runs in time: ${(await caption.textContent()).split('. ').at(-2)}`);
+
+  await page.locator('input[name=shaft-view][value=analysis]').check({ force: true });
+  await drawn('/scene/housing/bodies/0').press('Delete');
+  await row('mount 1').waitFor({ state: 'detached' });
+  const left = (await shaftRequest(page)).scene;
+  assert.deepEqual([left.housing, left.bearings[0].outer_ring, left.sensors.map(({ name }) => name)], [undefined, undefined, ['nose']]);
+  assert.equal(left.sensors[0].relative_to, undefined);
+  ok('with a body go its mounts and sensors; rings stand in the ground again');
+  return built;
+}
+
+/** A rigid spindle on the bearings of the example, with outer rings that turn. */
+async function rigidSpindle(page) {
+  await tab(page, 'shaft');
+  const of = (pointer) => ofShaft(page, pointer);
+  await page.locator('.rotor table').first().waitFor({ timeout: 30000 });
+  const sections = page.locator('#shaft-fields summary', { hasText: /^Sections/ });
+  // A field that goes away takes its error with it.
+  await of('/scene/shaft/sections/0/length_mm').fill('x');
+  await page.locator('#s-scene-shaft-sections-0-length_mm-error', { hasText: 'not a number' }).waitFor();
+  await page.getByLabel('Rigid spindle', { exact: true }).check({ force: true });
+  await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle of 255"]').waitFor();
+  assert.ok((await sections.isHidden()) && (await of('/scene/spindle/mass_kg').isVisible()));
+  await of('/scene/spindle/mass_kg').fill('0');
+  await page.locator('#s-scene-spindle-mass_kg-error:not(:empty)').waitFor();
+  await of('/scene/spindle/mass_kg').fill('5');
+  await of('/scene/spindle/balance_grade').fill('2.5');
+  await of('/scene/operation/outer_speed_rpm').fill('-600');
+  await page.locator('.rotor .figures', { hasText: '5 kg' }).waitFor();
+  assert.deepEqual(await shaftRequest(page).then(({ scene }) => [scene.shaft, scene.spindle]), [undefined, { mass_kg: 5, balance_grade: 2.5 }]);
+  await picture(page, 'rigid-spindle');
+  await accessible(page, 'a rigid spindle');
+  await page.locator('summary', { hasText: /^Run in time$/ }).click();
+  await of('/duration_s').fill('0.02');
+  await of('/settle_s').fill('0.01');
+  await page.locator('#shaft-run').click();
+  await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 300000 });
+  await noLeftovers(page);
+  await page.reload();
+  await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle"]').waitFor();
+  await page.getByLabel('Shaft of sections').check({ force: true });
+  await sections.waitFor();
+  ok('a rigid spindle on two bearings is analysed and run, with outer rings that turn');
+}
+
+/** Links that say no more than a run, or not even that. `hash`: that of a page with a run of 50 000 r/min. */
+async function links(browser, url, hash) {
+  const { page, context, faults } = await open(browser, {}, (status, path) => status === 404 && path.startsWith('/v1/jobs/'));
+  const run = new URLSearchParams(hash.slice(1)).get('run');
+  const to = async (said) => {
+    await page.goto('about:blank');
+    await page.goto(`${url}/#${said}`);
+    await page.locator('.drawing svg').waitFor();
+  };
+  await to(`run=${run}`);
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.equal(await field(page, '/scene/operation/speed_rpm').inputValue(), '50000', 'the form has the scene of the run');
+  for (const [said, told] of [
+    ['run=', 'names no run'],
+    ['run=..%2Fpresets', 'names no run'],
+    [`run=${run.slice(0, -4)}0000`, 'is gone'],
+  ]) {
+    await to(said);
+    await page.locator('#panel-result .empty', { hasText: told }).waitFor();
+    assert.ok(!page.url().includes('run='), page.url());
+  }
+  const { jobs } = await (await fetch(`${url}/v1/jobs?kind=study&status=succeeded`)).json();
+  await to(`run=${jobs[0].id}`);
+  await page.locator('#panel-study .uplot canvas').waitFor();
+  assert.equal(await page.locator('#tab-study').getAttribute('aria-selected'), 'true');
+  // A link that is pasted over this one.
+  await page.evaluate((id) => { location.hash = `run=${id}`; }, run);
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.deepEqual(faults, []);
+  await context.close();
+  ok('a link to a run alone opens it on its tab with its scene; one to none says so');
+}
+
+async function everywhere(browser, url, from, colorScheme) {
+  for (const [name, viewport] of [
+    ['1280', DESKTOP],
+    ['390', PHONE],
+  ]) {
+    const { page, context, faults } = await open(browser, { viewport, colorScheme });
+    await page.goto(url + from);
+    await page.locator('.drawing svg').waitFor();
+    await page.locator('#panel-result .line-label').first().waitFor();
+    // On a narrow page the form is folded: the result is on top.
+    if (viewport === PHONE) {
+      assert.ok(!(await page.locator('#preset').isVisible()));
+      await page.locator('#scene-whole > summary').click();
+    }
+    await page.locator('#surfaces > summary').click();
+    await page.getByRole('button', { name: 'Add outer defect' }).click();
+    await page.locator('.item .pairs', { hasText: 'In the load zone' }).waitFor();
+    await picture(page, `surfaces-${name}-${colorScheme}`);
+    await accessible(page, `surfaces, ${name} px, ${colorScheme}`);
+    await page.getByRole('button', { name: 'Remove defect 1, outer raceway' }).click();
+    for (const panel of TABS) {
+      await tab(page, panel);
+      if (panel === 'study') {
+        await page.getByRole('button', { name: 'Run study' }).click();
+        await page.locator('#panel-study .uplot').waitFor({ timeout: 120000 });
+      }
+      if (panel === 'compare') {
+        for (const [i, label] of ['First run', 'Second run'].entries()) {
+          const select = page.getByLabel(label);
+          await select.locator('option').nth(2).waitFor({ state: 'attached' });
+          await select.selectOption({ index: i + 1 });
+        }
+        await page.locator('#panel-compare .line-label').first().waitFor();
+      }
+      if (panel === 'slider') await page.locator('#panel-slider .line-label').first().waitFor({ timeout: 60000 });
+      if (panel === 'jobs') await page.locator('#panel-jobs tbody tr').first().waitFor();
+      if (panel === 'shaft') await page.locator('.rotor .shape svg').waitFor({ timeout: 30000 });
+      await picture(page, `${panel}-${name}-${colorScheme}`);
+      const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
+      assert.ok(wide <= inner, `${panel} at ${name} px is ${wide} px wide`);
+      await accessible(page, `${panel}, ${name} px, ${colorScheme}`);
+    }
+    assert.deepEqual(faults, []);
+    await context.close();
+  }
+  ok(`every panel fits 1280 and 390 px and has no finding of axe: ${colorScheme}`);
+}
+
+/** The page of the OpenAPI document, under the same Content-Security-Policy as the page at `/`. */
+async function apiDocument(browser, url) {
+  const { page, context, faults } = await open(browser, {});
+  const answer = await page.goto(`${url}/docs/`);
+  const policy = answer.headers()['content-security-policy'];
+  assert.ok(policy?.startsWith("default-src 'self';") && !policy.includes('unsafe'), `policy of /docs/: ${policy}`);
+  const operation = page.locator('#operations-jobs-listJobs');
+  await operation.locator('.opblock-summary-control').click();
+  await operation.locator('.try-out__btn').click();
+  await operation.locator('.execute').click();
+  await operation.locator('.live-responses-table .response-col_status').filter({ hasText: '200' }).waitFor();
+  assert.deepEqual(faults, [], 'nothing in the console of /docs/, no other host');
+  await picture(page, 'docs');
+  await context.close();
+  ok('the page of the API document sends a request and violates no policy');
+}
+
+async function withToken(browser) {
+  const service = await serve({ RACEWAY_API_TOKENS: TOKEN });
+  await example(browser, service.url, true);
+  const { page, context, faults } = await open(browser, {}, (status, path) => status === 401 && path.startsWith('/v1/'));
+  await page.goto(service.url);
+  await page.locator('#token-enter').click();
+  await page.locator('#token').fill('wrong');
+  await page.locator('#token').press('Enter');
+  await page.getByText('does not know this token').waitFor();
+  await accessible(page, 'the question for a token');
+  await page.locator('#token').fill(TOKEN);
+  await page.locator('#token').press('Enter');
+  await page.locator('.drawing svg').waitFor();
+  await page.locator('#run').click();
+  await page.locator('.run-head .chip', { hasText: 'succeeded' }).waitFor({ timeout: 60000 });
+  await page.locator('#panel-result .line-label').first().waitFor({ timeout: 60000 });
+  const command = await page.locator('#request-curl code').textContent();
+  assert.ok(command.includes('"Authorization: Bearer $RACEWAY_TOKEN"') && !command.includes(TOKEN), command);
+  assert.ok(!page.url().includes(TOKEN));
+  await page.reload();
+  await page.locator('#panel-result .line-label').first().waitFor();
+  assert.deepEqual(faults, []);
+  await context.close();
+  await service.stop();
+  ok('with a token: asked once, kept over a reload, in no address and no command');
+}
+
+assert.ok(process.env.RACEWAY, 'RACEWAY names the binary');
+if (PICTURES) mkdirSync(PICTURES, { recursive: true });
+await alone();
+const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ARGUMENTS });
+try {
+  const service = process.env.PORTAL_URL ? { url: process.env.PORTAL_URL, stop: () => {} } : await serve();
+  const second = process.env.PORTAL_URL ? service : await serve();
+  const { page, context, faults } = await open(
+    browser,
+    {},
+    (status, path) =>
+      (status === 422 && path === '/v1/scenes/resolve') || (status === 429 && path === '/v1/jobs') || status === 0,
+  );
+  // Times are measured alone.
+  await example(browser, service.url, false);
+  await page.goto(service.url);
+  await fromPresetToPlot(page);
+  await slide(page);
+  await tab(page, 'result');
+
+  const plain = { hash: null };
+  const resultsAndStudies = async () => {
+    await reloadAndKeys(page);
+    plain.hash = new URL(page.url()).hash;
+    await orbitAndRest(page);
+    await compareTwo(page);
+    await study(page);
+    await tab(page, 'result');
+    await troubles(page, context);
+    assert.deepEqual(faults, [], 'nothing in the console, no other host');
+    await otherKinds(page);
+    assert.deepEqual(faults, [], 'nothing in the console, no other host');
+    await context.close();
+  };
+  /** The parts with scenes of their own, one after the other. Returns the request of the shaft that was built. */
+  const ownScenes = async () => {
+    let built;
+    for (const [part, refused] of [
+      [orderedByName, '/v1/scenes/resolve'],
+      [surfaces, '/v1/scenes/resolve'],
+      [shaft, '/v1/rotor'],
+      [housing, '/v1/rotor'],
+      [rigidSpindle, '/v1/rotor'],
+    ]) {
+      const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === refused);
+      await page.goto(second.url);
+      await page.locator('.drawing svg').waitFor();
+      built = (await part(page)) ?? built;
+      assert.deepEqual(faults, []);
+      await context.close();
+    }
+    return built;
+  };
+  const [, built] = await Promise.all([resultsAndStudies(), ownScenes()]);
+  const from = `/${plain.hash}&${new URLSearchParams({ shaft: JSON.stringify(built) })}`;
+  const rest = async () => {
+    await links(browser, service.url, plain.hash);
+    await apiDocument(browser, service.url);
+    if (!process.env.PORTAL_URL) await withToken(browser);
+  };
+  await Promise.all([everywhere(browser, service.url, from, 'light'), everywhere(browser, service.url, from, 'dark'), rest()]);
+  await service.stop();
+  if (second !== service) await second.stop();
+} catch (error) {
+  noted.flat().forEach((fault) => console.error(fault));
+  throw error;
+} finally {
+  await browser.close();
+}

@@ -1,0 +1,104 @@
+// Answers that the service draws itself: plots as pictures, and the tables of an optimum or accuracy job.
+
+import * as api from './api.js';
+import { h, more, table } from './dom.js';
+import { VARIED } from './fields.js';
+import { channelName, measured, number, quantity, seconds, words } from './format.js';
+import { plotsOf } from './kinds.js';
+import { figure } from './metrics.js';
+import { picture } from './plots.js';
+import { METRICS } from './study-metrics.js';
+
+/** Plots of a job as figures. `only`: names in `links`. */
+export async function pictures(job, { signal, only, theme } = {}) {
+  const shown = plotsOf(job).filter(([name]) => !only || only.includes(name));
+  const drawn = shown.map(async ([name, path]) => {
+    try {
+      const svg = await api.getText(theme ? `${path}?theme=${theme}` : path, 'image/svg+xml', { signal });
+      return h('figure', {}, picture(svg, `${words(name.replace(/_svg$/, ''))} plot`));
+    } catch (error) {
+      if (error.name === 'AbortError') throw error;
+      // Some models lack the data of some plots.
+      return null;
+    }
+  });
+  return (await Promise.all(drawn)).filter(Boolean);
+}
+
+/** What is shown of an answer above its plots (`first`) and below them (`rest`). */
+export function answerView(kind, answer) {
+  if (kind === 'optimum') return optimum(answer);
+  if (kind === 'accuracy') return accuracy(answer);
+  return { first: [], rest: [] };
+}
+
+/** Name and unit of a varied field. */
+export function axisName(path) {
+  const spec = VARIED.find(({ pointer }) => pointer === `/scene${path}`);
+  return spec ? [spec.label, spec.unit] : [words(path.split('/').pop()), ''];
+}
+
+/** Name and unit of a metric; one that no study plots is named by its pointer. */
+export function metricName(pointer) {
+  const known = METRICS.find((metric) => metric[0] === pointer);
+  return known ? [known[1], known[2]] : [channelName(pointer.split('/').slice(1).map(words).join(' ')), ''];
+}
+
+function optimum({ metric, goal, axes, point, value, error, within, at_end_of_range: ends, runs, failed, rivals, evaluations }) {
+  const places = axes.map(({ axis }) => {
+    const [name, unit] = axisName(axis);
+    const range = within?.[axis];
+    return figure(name, number(point[axis], 5), unit, range && `${number(range[0], 5)} to ${number(range[1], 5)} within the errors`);
+  });
+  const [name, unit] = metricName(metric);
+  const heads = [...axes.map(({ axis }) => axisName(axis).filter(Boolean).join(', ')), 'Value', 'Estimated error', 'Purpose'];
+  const row = (run) => [
+    ...axes.map(({ axis }) => number(run.point[axis], 6)),
+    run.value === undefined ? (run.failure?.cause ?? '–') : number(run.value, 5),
+    measured(run.error),
+    run.purpose,
+  ];
+  return {
+    first: [
+      h(
+        'dl',
+        { class: 'figures' },
+        figure(`${goal === 'minimum' ? 'Least' : 'Largest'} value: ${name}`, number(value, 5), unit, error === undefined ? '' : `± ${number(error, 2)}`),
+        places,
+        figure('Runs', number(runs), '', failed ? `${failed} failed` : ''),
+      ),
+      ends.length > 0 &&
+        h('p', { class: 'warning', role: 'note' }, `The range ends at the best point of ${ends.map((axis) => axisName(axis)[0]).join(' and ')}: there may be better points beyond.`),
+      rivals.length > 0 && h('p', { class: 'note' }, `${rivals.length} runs elsewhere may be as good.`),
+    ].filter(Boolean),
+    rest: [more(`Runs as a table (${evaluations.length})`, table('Runs of the search', heads, evaluations.map(row), { hidden: true }))],
+  };
+}
+
+function accuracy({ points, recommended = [], machine }) {
+  if (!points?.every(({ method }) => method)) return { first: [], rest: [] };
+  const recommendation = ({ method, relative_tolerance: tolerance, within_db: within, wall_time_s: time }) =>
+    figure(`Within ${quantity(within, 'dB')}`, words(method), '', `tolerance ${number(tolerance)}, ${seconds(time)}`);
+  return {
+    first: [h('dl', { class: 'figures' }, recommended.map(recommendation))],
+    rest: [
+      more(
+        `Points as a table (${points.length})`,
+        table(
+          'Error and run time of each method',
+          ['Method', 'Tolerance', 'Level error, dB', 'Trajectory error', 'Steps', 'Run time'],
+          points.map((one) => [
+            words(one.method),
+            number(one.relative_tolerance),
+            measured(one.level_error_db),
+            measured(one.trajectory_error),
+            number(one.steps, 9),
+            seconds(one.wall_time_s),
+          ]),
+          { hidden: true },
+        ),
+      ),
+      machine ? h('p', { class: 'note' }, `${machine.processor}, ${machine.cores} cores, version ${machine.version}.`) : '',
+    ],
+  };
+}

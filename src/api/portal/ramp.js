@@ -1,0 +1,36 @@
+// A speed ramp: two points of the speed's profile, recorded from the first to the last, with orders.
+
+import { write } from './request.js';
+
+const SPEED = '/scene/operation/speed_rpm';
+/** Time at the first speed before recording begins [s], and time of a ramp that has none yet [s]. */
+const SETTLE = 0.05;
+const TIME = 1;
+
+/** First and last speed [r/min] and time [s] of a request's ramp; of a constant speed only the first. */
+export function rampOf(request) {
+  const speed = request.scene?.operation?.speed_rpm;
+  if (!Array.isArray(speed) || speed.length !== 2) return { from: speed };
+  const [first, last] = speed;
+  return { from: first.rpm, to: last.rpm, time: Number((last.at_s - first.at_s).toPrecision(9)) };
+}
+
+/** A request with this ramp; without a last speed, with a constant one. */
+export function withRamp(request, { from, to, time = TIME }) {
+  if (to === undefined) {
+    if (rampOf(request).to === undefined) return write(request, SPEED, from);
+    const plain = ['/settle_s', '/duration_s', '/outputs/orders'].reduce((one, pointer) => write(one, pointer, undefined), request);
+    return write(plain, SPEED, from);
+  }
+  const settle = request.settle_s ?? SETTLE;
+  const profile = [
+    { at_s: settle, rpm: from },
+    { at_s: Number((settle + time).toPrecision(9)), rpm: to },
+  ];
+  const ramped = [
+    [SPEED, profile],
+    ['/settle_s', settle],
+    ['/duration_s', time],
+  ].reduce((one, [pointer, value]) => write(one, pointer, value), request);
+  return { ...ramped, outputs: { ...ramped.outputs, orders: ramped.outputs?.orders ?? {} } };
+}
