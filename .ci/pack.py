@@ -35,14 +35,14 @@ def system(tag):
     return f"{machine}-{ {'manylinux': 'linux', 'macosx': 'macos', 'win': 'windows'}[name] }"
 
 
-def archive(binary, folder, extra):
-    """Writes the archive of a binary with documents and licences, and returns its path."""
+def archive(binary, folder, extra, level=9):
+    """Writes the archive of a binary with documents and licences, compressed at a level from 1 to 9, and returns its path."""
     stem = f"raceway-{backend.version()}-{system(backend.platform(binary))}"
     name = "raceway.exe" if stem.endswith("windows") else "raceway"
     tracked = subprocess.run(["git", "ls-files", "-z", "--", *DOCUMENTS], cwd=ROOT, stdout=subprocess.PIPE, text=True, check=True)
     files = {name: binary} | {name: ROOT / name for name in tracked.stdout.split("\0") if name} | extra
     path = folder / f"{stem}.tar.gz"
-    with open(path, "wb") as file, gzip.GzipFile(filename="", fileobj=file, mode="wb", mtime=0) as zipped:
+    with open(path, "wb") as file, gzip.GzipFile(filename="", fileobj=file, mode="wb", compresslevel=level, mtime=0) as zipped:
         with tarfile.open(fileobj=zipped, mode="w", format=tarfile.PAX_FORMAT) as tar:
             for name, source in files.items():
                 content = source.read_bytes()

@@ -58,8 +58,9 @@ def _linux(binary: pathlib.Path) -> str:
     return f"manylinux_{major}_{minor}_{machine}"
 
 
-def wheel(binary: pathlib.Path, folder: pathlib.Path, extra: dict[str, pathlib.Path] | None = None) -> pathlib.Path:
-    """Writes the wheel and returns its path. `extra` are further files of the dist-info folder."""
+def wheel(binary: pathlib.Path, folder: pathlib.Path, extra: dict[str, pathlib.Path] | None = None, level: int = 9) -> pathlib.Path:
+    """Writes the wheel, compressed at a level from 1 to 9, and returns its path. `extra` are further files of the dist-info
+    folder."""
     project = tomllib.loads((HERE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     tag = f"py3-none-{platform(binary)}"
     stem = f"{project['name']}-{version()}"
@@ -78,12 +79,12 @@ def wheel(binary: pathlib.Path, folder: pathlib.Path, extra: dict[str, pathlib.P
     files |= {f"{info}/{name}": path.read_bytes() for name, path in (extra or {}).items()}
     files[f"{info}/RECORD"] = record(files, f"{info}/RECORD")
     path = folder / f"{stem}-{tag}.whl"
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=level) as archive:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o100755 if name.startswith("raceway/bin/") else 0o100644) << 16
-            archive.writestr(entry, content)
+            archive.writestr(entry, content, compresslevel=level)
     return path
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas
 
 
 def needed(module: str, purpose: str) -> Any:
@@ -13,3 +16,9 @@ def needed(module: str, purpose: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         raise ImportError(f"{purpose} needs {package}: pip install {package}") from error
+
+
+def dataframe(data: Any) -> "pandas.DataFrame":
+    """A DataFrame of columns or rows."""
+    frame: "pandas.DataFrame" = needed("pandas", "to_dataframe").DataFrame(data)
+    return frame

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, 
 
 from ._errors import JobFailed, Problem, RacewayError
 from ._flat import differing, flat
-from ._optional import needed
+from ._optional import dataframe, needed
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -62,7 +62,7 @@ class Spectrum:
             "channel": self.channel, "frequency_hz": self.frequency_hz, "amplitude": self.amplitude, "unit": self.unit,
             "label": self.labels(),
         }
-        return needed("pandas", "to_dataframe").DataFrame(columns)
+        return dataframe(columns)
 
     def plot(self, ax: "Optional[matplotlib.axes.Axes]" = None, *, labels: int = 10) -> "matplotlib.axes.Axes":
         """Draws the spectrum with the labels of its strongest lines."""
@@ -100,7 +100,7 @@ class Series:
     def to_dataframe(self) -> "pandas.DataFrame":
         """Columns `channel`, `time_s`, `value`, `unit`."""
         columns = {"channel": self.channel, "time_s": self.time_s, "value": self.value, "unit": self.unit}
-        return needed("pandas", "to_dataframe").DataFrame(columns)
+        return dataframe(columns)
 
     def plot(self, ax: "Optional[matplotlib.axes.Axes]" = None) -> "matplotlib.axes.Axes":
         """Draws the signal."""
@@ -182,11 +182,12 @@ class Result:
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """The labelled amplitude spectra of all channels: `channel`, `frequency_hz`, `amplitude`, `unit`, `label`."""
-        pandas = needed("pandas", "to_dataframe")
+        concat = needed("pandas", "to_dataframe").concat
         channels = self.get("channels")["spectra"]
         if not channels:
             raise RacewayError("the result has no spectrum: outputs.spectra is empty")
-        return pandas.concat([self.spectrum(channel).to_dataframe() for channel in channels], ignore_index=True)
+        frame: "pandas.DataFrame" = concat([self.spectrum(channel).to_dataframe() for channel in channels], ignore_index=True)
+        return frame
 
     def row(self) -> Dict[str, Any]:
         """Status, error, and numbers of `answer` by JSON pointer: a row of `Results.to_dataframe`."""
@@ -238,8 +239,9 @@ class Results(Sequence[Result]):
         return Results(result for result in self._results if result.error is not None)
 
     def rows(self) -> List[Dict[str, Any]]:
-        """One row for each job: the fields of the requests that differ, by JSON pointer, then `Result.row`."""
-        requests = [flat(result.request) for result in self._results]
+        """One row for each job: the fields of the requests that differ, then `Result.row`. Fields of the scene have their JSON
+        pointer in the scene, as in a study."""
+        requests = [_fields(result.request) for result in self._results]
         inputs = differing(requests)
         return [
             {**{name: request.get(name) for name in inputs}, **result.row()} for request, result in zip(requests, self._results)
@@ -247,7 +249,7 @@ class Results(Sequence[Result]):
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """One row for each job."""
-        return needed("pandas", "to_dataframe").DataFrame(self.rows())
+        return dataframe(self.rows())
 
     @overload
     def __getitem__(self, place: int) -> Result: ...
@@ -263,6 +265,11 @@ class Results(Sequence[Result]):
 
     def __repr__(self) -> str:
         return f"Results({len(self)} jobs, {len(self.failed._results)} without result)"
+
+
+def _fields(request: Mapping[str, Any]) -> Dict[str, Any]:
+    """Fields of the scene and of the job by JSON pointer."""
+    return {**flat(request.get("scene", {})), **flat({name: value for name, value in request.items() if name != "scene"})}
 
 
 def _lines(lines: Iterable[Mapping[str, Any]]) -> List[Line]:

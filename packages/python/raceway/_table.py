@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping
 
 from ._flat import flat
-from ._optional import needed
+from ._optional import dataframe
 
 if TYPE_CHECKING:
     import pandas
@@ -36,7 +36,7 @@ class Table:
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """One row for each point."""
-        return needed("pandas", "to_dataframe").DataFrame(self.rows())
+        return dataframe(self.rows())
 
     def __repr__(self) -> str:
         return f"Table({self.answer['succeeded']} of {self.answer['points']} points)"
