@@ -70,12 +70,17 @@ def vendored():
     }
 
 
-def bill():
+def graph():
+    """Packages and nodes of the dependencies by id, and the id of the root."""
     command = ["cargo", "metadata", "--format-version", "1", "--locked", "--filter-platform", TARGET]
     metadata = json.loads(subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout)
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
-    root = metadata["resolve"]["root"]
+    return packages, nodes, metadata["resolve"]["root"]
+
+
+def bill():
+    packages, nodes, root = graph()
     used = {None, "build"}
     linked, all_used = reachable(nodes, root, {None}), reachable(nodes, root, used)
     lock = read("Cargo.lock")

@@ -11,7 +11,7 @@ import tempfile
 import tomllib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir))
-from service import ROOT, check  # noqa: E402
+from service import ROOT, binary, check  # noqa: E402
 
 CI = pathlib.Path(ROOT, ".ci")
 TARGET = os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target"))
@@ -93,14 +93,16 @@ def case_the_bill_of_materials_is_complete(_place):
 
 
 def case_a_release_needs_the_digests_of_its_base_images(place):
-    """On a clone of the last commit, with a stub for the container engine."""
+    """On a clone of the last commit, with a stub for the container engine. It packs the release build in place of a build with zig."""
     clone, engine = place / "clone", place / "engine"
     subprocess.run(["git", "clone", "-q", ROOT, clone], check=True)
     engine.write_text('#!/bin/sh\necho "$@" >>"$0.log"\n[ "$1" != save ] || echo image >"$3"\n', encoding="utf-8")
     engine.chmod(0o755)
-    environment = {"ENGINE": str(engine), "CARGO_TARGET_DIR": str(place / "target")}
+    environment = {"ENGINE": str(engine), "CARGO_TARGET_DIR": str(place / "target"), "BINARY": binary()}
     (place / "target").mkdir()
-    (place / "target" / "tools").symlink_to(os.path.join(TARGET, "tools"))
+    for tools in ("tools", "api-tools"):
+        os.makedirs(os.path.join(TARGET, tools), exist_ok=True)
+        (place / "target" / tools).symlink_to(os.path.join(TARGET, tools))
     for name in DIGESTS:
         for wrong in ("", "latest", "sha256:12"):
             status, _, said = run(clone / ".ci" / "release", cwd=clone, **environment, **DIGESTS | {name: wrong})
@@ -112,9 +114,15 @@ def case_a_release_needs_the_digests_of_its_base_images(place):
     sums = dict(reversed(line.split()) for line in told.splitlines() if line.count(" ") == 2)
     files = {path.name: path.read_bytes() for path in (place / "target" / "dist").iterdir() if path.name != "SHA256SUMS"}
     check({name: hashlib.sha256(content).hexdigest() for name, content in files.items()} == sums, f"{sorted(files)} have their digests")
+    for pattern in ("raceway-*.whl", "raceway-*.tgz", "raceway-*-x86_64-linux.tar.gz", "raceway-*.cdx.json", "THIRD-PARTY-NOTICES"):
+        check(len(list((place / "target" / "dist").glob(pattern))) == 1, f"{pattern} is among them")
+    notices = files["THIRD-PARTY-NOTICES"].decode()
+    check("axum 0." in notices and "uPlot" in notices and "Permission is hereby granted" in notices, "the licences of the parts have their texts")
     (clone / "Cargo.toml").write_text("", encoding="utf-8")
     status, _, said = run(clone / ".ci" / "release", cwd=clone, **environment, **DIGESTS)
     check(status == 2 and "not committed" in said, "a changed work tree is refused")
+    status, _, said = run(clone / ".ci" / "release", "--without-image", cwd=clone, **environment)
+    check(status == 2 and "not committed" in said, "also without image, which needs no digests")
 
 
 with tempfile.TemporaryDirectory(prefix="raceway-supply-") as directory:
