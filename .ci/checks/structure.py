@@ -27,11 +27,7 @@ KNOWN = HERE / "structure-known.txt"
 # From the top down: no room imports one that stands before it.
 ORDER = [
     "main", "commands", "config", "api", "jobs", "article", "render", "plots", "contract",
-<<<<<<< HEAD
-    "study", "machine", "rotor", "orders", "measured", "simulation", "physics", "numerics",
-=======
-    "study", "sampling", "machine", "rotor", "orders", "simulation", "physics", "numerics",
->>>>>>> uncertainty
+    "study", "sampling", "machine", "rotor", "orders", "measured", "simulation", "physics", "numerics",
 ]
 # The same inside `simulation`; `result` stands beside `error`.
 ACTS = [["work_precision"], ["solve"], ["error", "result"], ["model"], ["recording"], ["input"]]
@@ -417,11 +413,7 @@ def upward(tree):
 
 
 def figures(tree):
-<<<<<<< HEAD
-    in_core = {"machine", "measured", "numerics", "orders", "physics", "rotor", "simulation", "study"}
-=======
-    in_core = {"machine", "numerics", "orders", "physics", "rotor", "sampling", "simulation", "study"}
->>>>>>> uncertainty
+    in_core = {"machine", "measured", "numerics", "orders", "physics", "rotor", "sampling", "simulation", "study"}
     core = [file for file in tree.files if (file.crate == "raceway_core" if tree.has_core else room(file) in in_core)]
     simulation = [file for file in core if room(file) == "simulation"]
     lines = sum(file.code_lines for file in tree.files)

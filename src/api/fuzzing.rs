@@ -148,7 +148,6 @@ async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) 
     Ok(StatusCode::OK.into_response())
 }
 
-<<<<<<< HEAD
 async fn comparison(
     headers: HeaderMap,
     _: JobId,
@@ -157,11 +156,12 @@ async fn comparison(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     Measurement::read(&body, &Uploads::stand_in())?;
-=======
+    Ok(StatusCode::OK.into_response())
+}
+
 async fn preview(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     preview::checked(parse_job(&body)?)?;
->>>>>>> page
     Ok(StatusCode::OK.into_response())
 }
 
@@ -254,7 +254,7 @@ async fn plot(
     Query(query): Query<plots::PlotQuery>,
 ) -> Result<StatusCode, ApiError> {
     negotiated(&headers, &[SVG])?;
-<<<<<<< HEAD
+    query.check()?;
     let known = [
         plots::OF_SIMULATION,
         plots::OF_ROTOR,
@@ -264,11 +264,6 @@ async fn plot(
         plots::OF_UNCERTAINTY,
     ]
     .concat();
-=======
-    query.check()?;
-    let known =
-        [plots::OF_SIMULATION, plots::OF_ROTOR, plots::OF_ACCURACY, plots::OF_OPTIMUM, plots::OF_STUDY].concat();
->>>>>>> page
     if known.contains(&file.as_str()) {
         return Ok(StatusCode::OK);
     }

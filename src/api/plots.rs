@@ -25,11 +25,7 @@ use crate::contract::{
     ViewsAnswer,
 };
 use crate::jobs::{JobError, Signal};
-<<<<<<< HEAD
-use crate::plots::{draw, draw_rotor, draw_uncertainty};
-=======
-use crate::plots::{Theme, draw, draw_rotor, seen};
->>>>>>> page
+use crate::plots::{Theme, draw, draw_rotor, draw_uncertainty, seen};
 
 /// Names of plots. The kind of a job decides which of them it has.
 #[derive(ToSchema)]

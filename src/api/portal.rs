@@ -35,11 +35,7 @@ macro_rules! files {
     };
 }
 
-<<<<<<< HEAD
-static FILES: [File; 39] = files! {
-=======
-static FILES: [File; 45] = files! {
->>>>>>> page
+static FILES: [File; 48] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -59,13 +55,10 @@ static FILES: [File; 45] = files! {
     "kinds.js": SCRIPT,
     "machine.js": SCRIPT,
     "main.js": SCRIPT,
-<<<<<<< HEAD
+    "map.js": SCRIPT,
     "measured.js": SCRIPT,
     "measured-files.js": SCRIPT,
     "measured-spectrum.js": SCRIPT,
-=======
-    "map.js": SCRIPT,
->>>>>>> page
     "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
     "pictures.js": SCRIPT,

@@ -21,13 +21,8 @@ use super::app::App;
 use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
-<<<<<<< HEAD
     auth, batch, comparison, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders,
-    plots, portal, request, request_id, results, rotor, scenes, studies, uploaded_series,
-=======
-    auth, batch, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders, plots, portal,
-    preview, request, request_id, results, rotor, scenes, studies, uploaded_series,
->>>>>>> page
+    plots, portal, preview, request, request_id, results, rotor, scenes, studies, uploaded_series,
 };
 
 /// Every documented route.

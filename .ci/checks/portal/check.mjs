@@ -942,14 +942,7 @@ try {
   await example(browser, service.url, false);
   await page.goto(service.url);
   await fromPresetToPlot(page);
-<<<<<<< HEAD
   await measured.onResult(page, ok);
-  await reloadAndKeys(page);
-  const plain = new URL(page.url());
-  await orbitAndRest(page);
-  await compareTwo(page);
-=======
->>>>>>> page
   await slide(page);
   await tab(page, 'result');
 

@@ -5,15 +5,10 @@ import { h, small } from './dom.js';
 import { keep } from './download.js';
 import { moment, title, words } from './format.js';
 import { MachineView } from './machine.js';
-<<<<<<< HEAD
-import { MeasuredPanel } from './measured.js';
-import { summary, tables } from './metrics.js';
-import { picture } from './plots.js';
-=======
 import { answerOf } from './kinds.js';
+import { MeasuredPanel } from './measured.js';
 import { notes, summary, tables } from './metrics.js';
 import { answerView, pictures } from './pictures.js';
->>>>>>> page
 import { Views } from './views.js';
 
 export class Result {

@@ -15,10 +15,10 @@ pub mod measured;
 pub mod measured_comparison;
 pub mod optimum;
 pub mod orders;
+pub mod propagation;
 pub mod ross;
 pub mod rotor;
 pub mod rotor_model;
-pub mod propagation;
 pub mod table;
 pub mod work_precision;
 

@@ -61,6 +61,24 @@ pub fn part_of(metric: &str) -> Option<MetricsPart> {
             Some(MetricsPart::Vibration)
         }
         ["contacts", "inner" | "outer", name] if OF_RACEWAY.contains(&name) => Some(MetricsPart::Contacts),
+        [
+            "life",
+            "basic_l10h"
+            | "reference_l10h_static"
+            | "reference_l10h_dynamic"
+            | "equivalent_load_n"
+            | "kappa"
+            | "lambda"
+            | "a_iso",
+        ] => Some(MetricsPart::Life),
+        [
+            "friction",
+            "total_n_mm" | "power_loss_w" | "pockets_n_mm" | "neighbours_n_mm" | "land_n_mm" | "drag_n_mm"
+            | "churning_n_mm" | "drive_n_mm",
+        ]
+        | ["friction", "inner" | "outer", "sliding_n_mm" | "rolling_n_mm" | "normal_n_mm"] => {
+            Some(MetricsPart::Friction)
+        }
         ["contacts", "pocket", "max_load_n"]
         | ["kinematics", "cage_speed_hz" | "cage_slip" | "cage_slip_free_angle" | "ball_spin_hz"]
         | ["cage", "orbit_radius_um" | "whirl_ratio"] => Some(MetricsPart::Cage),

@@ -39,11 +39,7 @@ const TOLERANCES: (f64, f64) = (1e-12, 1e-2);
 pub const DURATION: FieldLimits = from("/duration_s", 1e-6, 1000.0, "s");
 
 /// Limits of fields of the job.
-<<<<<<< HEAD
-const OF_A_JOB: [FieldLimits; 33] = [
-=======
-const OF_A_JOB: [FieldLimits; 36] = [
->>>>>>> uncertainty
+const OF_A_JOB: [FieldLimits; 43] = [
     DURATION,
     from("/settle_s", 0.0, 1000.0, "s"),
     from("/priority", 1.0, 4.0, ""),

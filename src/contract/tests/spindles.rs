@@ -194,7 +194,11 @@ fn a_machine_takes_the_level_that_can_represent_it() {
     }
     for (solver, pointer, detail) in [
         (json!({ "rung": "radially_condensed" }), "/solver/rung", "bearing A"),
-        (json!({ "rung": "periodic" }), "/solver/rung", "available: `full`, `spindle_only`, `radially_condensed`, `planar`"),
+        (
+            json!({ "rung": "periodic" }),
+            "/solver/rung",
+            "available: `full`, `spindle_only`, `radially_condensed`, `planar`",
+        ),
         (json!({ "model_tolerance_db": 21 }), "/solver/model_tolerance_db", "20 dB"),
         (json!({ "rung": "full", "model_tolerance_db": 0.5 }), "/solver/model_tolerance_db", "goes without `rung`"),
         (json!({ "method": "auto" }), "/solver/method", "unknown"),

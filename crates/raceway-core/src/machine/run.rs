@@ -150,12 +150,7 @@ impl Run<'_> {
         Ok(run.evaluated(confirmed, Some(model), settings))
     }
 
-    fn evaluated(
-        &self,
-        confirmed: Confirmed,
-        model: Option<ModelErrors>,
-        settings: &MachineSettings,
-    ) -> MachineResult {
+    fn evaluated(&self, confirmed: Confirmed, model: Option<ModelErrors>, settings: &MachineSettings) -> MachineResult {
         let Confirmed { recording, errors, step, last, rejections, work, .. } = confirmed;
         let [_, window] = times(settings);
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations, model };
@@ -210,8 +205,7 @@ impl Run<'_> {
     ) -> Result<MachineRecording, MachineError> {
         let step = StepLength { longest: first_step(self.dynamics), share: 1.0 };
         let [_, window] = times(settings);
-        self.record(window, step, control, work)
-            .map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
+        self.record(window, step, control, work).map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
     }
 
     /// Records the first of two times after settling [s]. Its steps are the selected ones [s], or the longest for which half steps confirm

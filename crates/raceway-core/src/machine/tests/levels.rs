@@ -6,8 +6,8 @@ use crate::machine::inapplicable::{BearingInapplicable, MachineInapplicable};
 use crate::machine::level::{LevelChoice, ReducedLevel, inapplicability};
 use crate::machine::recording::MachineRecording;
 use crate::machine::run::{Run, Work, simulate_on};
-use crate::simulation::input::channel::Channel;
 use crate::numerics::ode::Statistics;
+use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
 use crate::simulation::model::failure::SimulationError;
@@ -172,6 +172,9 @@ fn what_the_level_cannot_represent_is_named() {
     assert_eq!(condensed(&run_up), Some(MachineInapplicable::SpeedChanges));
     let mut without_cage = on_two_bearings();
     without_cage.bearings[1].scene.terms.set(Term::Cage, TermChoice::Off);
-    let reason = MachineInapplicable::Bearing { bearing: "B".to_owned(), reason: BearingInapplicable::Scene(Inapplicable::NoCage) };
+    let reason = MachineInapplicable::Bearing {
+        bearing: "B".to_owned(),
+        reason: BearingInapplicable::Scene(Inapplicable::NoCage),
+    };
     assert_eq!(condensed(&without_cage), Some(reason));
 }

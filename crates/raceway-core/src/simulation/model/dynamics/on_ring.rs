@@ -145,7 +145,9 @@ impl<'m, const PLANAR: bool> RingStepper<'m, PLANAR> {
         let (layout, state) = (self.method.dynamics().mechanism().layout, self.method.newest_state());
         match layout.cage {
             true => layout.cage(state).arc_velocity,
-            false => (0..layout.balls).map(|ball| layout.ball(state, ball).arc_velocity).sum::<f64>() / layout.balls as f64,
+            false => {
+                (0..layout.balls).map(|ball| layout.ball(state, ball).arc_velocity).sum::<f64>() / layout.balls as f64
+            }
         }
     }
 

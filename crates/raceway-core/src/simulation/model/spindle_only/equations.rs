@@ -470,13 +470,7 @@ impl SpindleOnly {
 
     /// Residual of the balls alone at a time [s], for a ring that a shaft moves.
     #[inline(always)]
-    pub(crate) fn of_balls(
-        &self,
-        time: f64,
-        motion: &SpindleMotion,
-        acceleration: [f64; 2],
-        shares: Shares,
-    ) -> Defect {
+    pub(crate) fn of_balls(&self, time: f64, motion: &SpindleMotion, acceleration: [f64; 2], shares: Shares) -> Defect {
         let nothing = Defect { force: [0.0; 2], slope: [0.0; 3] };
         self.with_balls(nothing, &self.drive(time), motion, acceleration, shares)
     }
