@@ -22,6 +22,7 @@ pub mod start;
 mod growth;
 
 pub(crate) mod bearing_stepper;
+mod port;
 pub(crate) mod propagator;
 mod reduced_stepper;
 pub(crate) mod stepping;

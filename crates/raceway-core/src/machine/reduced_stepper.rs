@@ -1,7 +1,7 @@
 //! Fixed steps of a bearing on a reduced level: balls follow the ring in the plane, and linear moments hold its tilt.
 
 use super::bearing::{BearingOnShaft, ReducedModel, TiltHold};
-use super::bearing_stepper::{PortLoad, Predicted, Resistance, ball_of};
+use super::port::{PortLoad, Predicted, Resistance, ball_of};
 use crate::physics::frames::Vector;
 use crate::physics::statics::Matrix;
 use crate::simulation::model::dynamics::on_ring::{RingLoad, RingResistance, RingStepper, Rings};

@@ -9,9 +9,10 @@
 
 use nalgebra::DMatrix;
 
-use super::bearing_stepper::{BearingStepper, PortLoad, Predicted, Resistance};
+use super::bearing_stepper::BearingStepper;
 use super::equations::MachineDynamics;
 use super::frame::Frame;
+use super::port::{PortLoad, Predicted, Resistance};
 use super::propagator::{NODES, Propagator};
 use crate::numerics::dense::solve;
 use crate::numerics::lanes::{InstructionSet, Task};
