@@ -46,8 +46,8 @@ pub struct PalmgrenMoments {
 
 /// Constants of a series of deep-groove bearings, R₁, R₂, S₁, S₂.
 ///
-/// SKF Group, *Rolling bearings* (PUB BU/P1 10000/1 EN, 2013), geometry constants of frictional moments, as two public programs transcribe them
-/// alike; the series 68 and 69 are printed as 618 and 619. Not checked against the printed catalogue.
+/// SKF Group, *Rolling bearings* (PUB BU/P1 10000/1 EN, 2013), table of geometry constants of frictional moments, as one public program
+/// transcribes it; those of the series 62 agree with a second one. The series 68 and 69 are printed as 618 and 619. Not checked against print.
 const SERIES: [(&str, [f64; 4]); 7] = [
     ("60", [4.1e-7, 1.7, 3.73e-3, 14.6]),
     ("62", [3.9e-7, 1.7, 3.23e-3, 36.5]),
