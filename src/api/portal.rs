@@ -35,7 +35,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 45] = files! {
+static FILES: [File; 46] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -60,6 +60,7 @@ static FILES: [File; 45] = files! {
     "metrics.js": SCRIPT,
     "pictures.js": SCRIPT,
     "plots.js": SCRIPT,
+    "ramp.js": SCRIPT,
     "report.js": SCRIPT,
     "request.js": SCRIPT,
     "result.js": SCRIPT,
