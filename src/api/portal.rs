@@ -35,7 +35,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 48] = files! {
+static FILES: [File; 49] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -63,6 +63,7 @@ static FILES: [File; 48] = files! {
     "metrics.js": SCRIPT,
     "pictures.js": SCRIPT,
     "plots.js": SCRIPT,
+    "ramp.js": SCRIPT,
     "report.js": SCRIPT,
     "request.js": SCRIPT,
     "result.js": SCRIPT,

@@ -451,11 +451,11 @@ async function reportOf(page, kind, texts) {
   assert.ok(!(await report.getByRole('button', { name: 'Print' }).isVisible()), 'buttons are not printed');
   await page.emulateMedia({ media: null });
   await picture(page, `report-${kind}`);
-  await accessible(page, `the report of a ${kind}`);
+  await accessible(page, `the report, kind ${kind},`);
   await noLeftovers(page);
   await page.getByRole('button', { name: 'Back' }).click();
   await page.locator('.desk').waitFor();
-  ok(`the report of a ${kind} has inputs, results, messages and version`);
+  ok(`the report, kind ${kind}, has inputs, results, messages and version`);
 }
 
 /** An optimum and a comparison of methods run from the page, and open from the list. */

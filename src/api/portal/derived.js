@@ -19,6 +19,7 @@ export function showDerived(host, resolved) {
     );
   const opened = host.querySelector('details')?.open;
   host.replaceChildren(
+    h('h2', { class: 'unseen' }, 'Derived quantities'),
     h(
       'div',
       { class: 'derived' },

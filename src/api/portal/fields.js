@@ -21,7 +21,7 @@ export const GROUPS = [
       }),
       field('/scene/operation/radial_load_y_n', 'Radial load y', 'Fy', 'N', { range: [0, 1000] }),
       field('/scene/operation/radial_load_z_n', 'Radial load z', 'Fz', 'N', { range: [0, 1000] }),
-      field('/scene/operation/axial_load_n', 'Axial, preload', 'Fx', 'N', { range: [0, 500] }),
+      field('/scene/operation/axial_load_n', 'Axial load', 'Fx', 'N', { range: [0, 500] }),
       field('/ramp/time', 'Ramp time', '', 's', { ramp: 'time', help: 'Time from the first to the last speed.' }),
     ],
   },
@@ -76,7 +76,10 @@ export const GROUPS = [
     fields: [
       field('/scene/spindle/balance_grade', 'Balance grade', 'G', 'mm/s', { range: [0, 16] }),
       field('/scene/spindle/mass_kg', 'Mass', 'm', 'kg'),
-      field('/scene/spindle/axial', 'Axial support', '', '', { choices: true, fixed: true }),
+      field('/scene/spindle/axial/offset_um', 'Preload offset', '', 'µm', {
+        fixed: true,
+        help: 'Axial displacement at which the spindle is held: a rigid preload. Empty: free under an axial load, else held without preload.',
+      }),
     ],
   },
   {

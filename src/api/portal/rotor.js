@@ -37,7 +37,7 @@ export class RotorView {
     this.figures = h('dl', { class: 'figures' });
     this.motions = h('div', {});
     this.shape = h('div', { class: 'shape' });
-    this.shapeText = h('figcaption', { role: 'status' });
+    this.shapeText = h('figcaption', { 'aria-live': 'polite' });
     this.forces = h('div', {});
     const figure = (title, ...content) => h('section', {}, h('h3', {}, title), h('figure', {}, content));
     this.element = h(

@@ -61,7 +61,7 @@ export class Shaft {
         say('The form has the scene of this run now.');
       },
     });
-    panel.replaceChildren(this.#choice(), this.analysis, this.runHost);
+    panel.replaceChildren(h('h2', { class: 'unseen' }, 'Shaft'), this.#choice(), this.analysis, this.runHost);
     this.#listen();
     this.request = request ?? structuredClone(EXAMPLE);
     this.#show();
