@@ -227,7 +227,7 @@ fn a_robust_optimum_avoids_a_narrow_valley() {
     assert_eq!(found.runs, runs as u64);
     let within = found.within.unwrap()["/operation/radial_load_y_n"];
     assert!(within[0] < 2.95 && within[1] > 3.05 && within[0] > 2.0, "{within:?}");
-    // The mean of the narrow valley is 20/4 = 5, that of the wide one 4 + 1/4.
+    // The mean of the narrow valley is 4.54, that of the wide one 4 + 1/4.
     let mean = with_valleys(&robust(json!("mean")));
     assert!((at(&mean) - 3.0).abs() < 0.1 && (mean.value - 4.25).abs() < 0.02, "{} {}", at(&mean), mean.value);
 }
