@@ -8,7 +8,7 @@ const LOBE = 2;
 const FLOOR_FACTOR = 4;
 const FLOOR_REACH = 25;
 const LEAST_SHARE = 1e-3;
-/** Largest shift of a line against its prediction: slip, contact angle and speed move lines by up to 1 %. */
+/** Largest shift of a line against its prediction: slip, contact angle and speed move lines by about 1 %. */
 const MOST_SHIFT = 0.02;
 /** Share of the sampling rate up to which a record is compared, as in the API. */
 const PASS = 0.4;
