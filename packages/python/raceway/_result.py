@@ -77,7 +77,7 @@ class Spectrum:
             )
         if named:
             # Room for the labels.
-            ax.set_ylim(top=20 * max(self.amplitude))
+            ax.set_ylim(top=200 * max(self.amplitude))
         ax.set(xlabel="Frequency in Hz", ylabel=f"{self.channel} in {self.unit}")
         ax.grid(True, which="major", alpha=0.3)
         return ax
