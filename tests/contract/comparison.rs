@@ -7,7 +7,7 @@ use crate::server::{InProcess, ServerSettings, start, start_with};
 
 const CHANNEL: &str = "spindle.y.acceleration";
 
-/// A finished run of 50 000 r/min that kept a series, and this series after an upload with a factor.
+/// A finished run that kept a series, and this series after an upload with a factor.
 fn finished(server: &InProcess, factor: f64) -> (String, String) {
     let path =
         server.submit(&job_with(json!({ "outputs": { "series": [CHANNEL], "bands_hz": [3000, 10_000, 20_000] } })));
@@ -25,7 +25,7 @@ fn finished(server: &InProcess, factor: f64) -> (String, String) {
 }
 
 fn compared(server: &InProcess, path: &str, hash: &str, more: &Value) -> Value {
-    let mut request = json!({ "series": hash, "unit": "m/s2", "speed_rpm": 50_000, "bands_hz": [3000, 10_000] });
+    let mut request = json!({ "series": hash, "unit": "m/s2", "speed_rpm": 3000, "bands_hz": [3000, 10_000] });
     request.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
     let answer = server.post(&format!("{path}/comparison"), &request);
     assert_eq!(answer.status, 200, "{answer:?}");
@@ -72,7 +72,7 @@ fn wrong_comparisons_are_refused() {
         errors.iter().map(|error| error["pointer"].as_str().unwrap_or_default().to_owned()).collect::<Vec<_>>()
     };
     let with = |more: Value| {
-        let mut body = json!({ "series": hash, "unit": "m/s2", "speed_rpm": 50_000 });
+        let mut body = json!({ "series": hash, "unit": "m/s2", "speed_rpm": 3000 });
         body.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
         body
     };

@@ -112,6 +112,7 @@ pub struct PercentileAnswer {
     /// Share of the values that do not exceed it [%].
     #[schema(minimum = 0, maximum = 100, example = 90)]
     pub percentile: u32,
+    /// Value of the metric, in its unit.
     pub value: f64,
     /// Lower end of the interval; absent where there are too few values for one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,7 +127,9 @@ pub struct PercentileAnswer {
 /// A histogram: one edge more than counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct HistogramAnswer {
+    /// Rising edges of the classes, in the unit of the metric.
     pub edges: Vec<f64>,
+    /// Points in each class.
     pub counts: Vec<u64>,
 }
 
@@ -361,7 +364,7 @@ fn sensitivity(
             pair_share_interval: of.map(|pair| pair.first_interval),
             total_share: of.map(|pair| pair.total),
             total_share_interval: of.map(|pair| pair.total_interval),
-            sign: job.inputs[place].is_ordered().then(|| if own.slope < 0.0 { -1 } else { 1 }),
+            sign: job.inputs[place].is_ordered().then_some(if own.slope < 0.0 { -1 } else { 1 }),
         }
     };
     Some(SensitivityAnswer {

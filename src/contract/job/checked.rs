@@ -166,7 +166,12 @@ impl Job {
         match self {
             Self::Simulation(run) => Some(run.settings.outputs.envelope),
             Self::Machine(run) => Some(run.settings.envelope),
-            Self::Study(_) | Self::Optimum(_) | Self::Uncertainty(_) | Self::Accuracy(_) | Self::Modes(_) | Self::Rotor(_) => None,
+            Self::Study(_)
+            | Self::Optimum(_)
+            | Self::Uncertainty(_)
+            | Self::Accuracy(_)
+            | Self::Modes(_)
+            | Self::Rotor(_) => None,
         }
     }
 

@@ -49,9 +49,9 @@ pub struct ReducedBearing {
 /// Equations of a bearing whose ring moves in the plane.
 #[derive(Debug, Clone)]
 pub(super) enum ReducedModel {
-    SpindleOnly(SpindleOnly),
-    RadiallyCondensed(RadiallyCondensed),
-    Planar(Planar),
+    SpindleOnly(Box<SpindleOnly>),
+    RadiallyCondensed(Box<RadiallyCondensed>),
+    Planar(Box<Planar>),
 }
 
 impl ReducedModel {

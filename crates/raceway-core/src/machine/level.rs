@@ -133,16 +133,16 @@ fn model(scene: &Scene, level: ReducedLevel, start_azimuth: f64) -> Result<Reduc
     let outputs = Outputs::vibration();
     Ok(match level {
         ReducedLevel::SpindleOnly => {
-            ReducedModel::SpindleOnly(spindle_only::turned_model(scene, &outputs, start_azimuth)?)
+            ReducedModel::SpindleOnly(Box::new(spindle_only::turned_model(scene, &outputs, start_azimuth)?))
         }
         ReducedLevel::RadiallyCondensed => {
-            ReducedModel::RadiallyCondensed(RadiallyCondensed::new(scene, &outputs)?.turned(start_azimuth))
+            ReducedModel::RadiallyCondensed(Box::new(RadiallyCondensed::new(scene, &outputs)?.turned(start_azimuth)))
         }
         ReducedLevel::Planar => {
             let terms = ActiveTerms::of(scene, &outputs, Some(ModelLevel::Planar))?;
             let mut mechanism = with_surfaces(Mechanism::new(scene, &terms), scene);
             mechanism.start = mechanism.start.turned(start_azimuth);
-            ReducedModel::Planar(Planar::new(mechanism))
+            ReducedModel::Planar(Box::new(Planar::new(mechanism)))
         }
     })
 }

@@ -19,8 +19,8 @@ pub(crate) struct ReducedStepper<'m> {
 
 /// Balls and cage that follow the ring in the plane.
 enum InPlane<'m> {
-    Planar(RingStepper<'m, true>),
-    RadiallyCondensed(CondensedOnRing<'m>),
+    Planar(Box<RingStepper<'m, true>>),
+    RadiallyCondensed(Box<CondensedOnRing<'m>>),
     SpindleOnly(SpindleOnlyOnRing<'m>),
 }
 
@@ -37,10 +37,10 @@ impl<'m> ReducedStepper<'m> {
             ReducedModel::Planar(model) => {
                 let layouts = [&bearing.dynamics.mechanism().layout, &model.mechanism().layout];
                 let steps = RingStepper::new(model, time, &planar_state(layouts, state), planar(ring));
-                InPlane::Planar(steps)
+                InPlane::Planar(Box::new(steps))
             }
             ReducedModel::RadiallyCondensed(model) => {
-                InPlane::RadiallyCondensed(CondensedOnRing::new(model, time, &in_plane(ring, [0.0; 2])))
+                InPlane::RadiallyCondensed(Box::new(CondensedOnRing::new(model, time, &in_plane(ring, [0.0; 2]))))
             }
             ReducedModel::SpindleOnly(model) => {
                 InPlane::SpindleOnly(SpindleOnlyOnRing::new(model, time, &in_plane(ring, [0.0; 2])))

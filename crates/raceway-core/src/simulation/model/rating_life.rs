@@ -171,8 +171,8 @@ mod tests {
         assert_close("ν₁", life.reference_viscosity.unwrap(), 13.149, 1e-4);
         assert_close("κ", life.viscosity_ratio.unwrap(), 20.0 / 13.149, 1e-4);
         assert!(life.film_ratio.is_some_and(|ratio| ratio > 1.0 && ratio < 20.0), "{life:?}");
-        // Balls of one static place know more than the equivalent load: within a factor of two.
-        assert!((0.5..2.0).contains(&(life.reference_hours.unwrap() / life.basic_hours.unwrap())), "{life:?}");
+        // The factors of ISO 281 hold for every clearance, and so for the least favourable one.
+        assert!(life.reference_hours.unwrap() > life.basic_hours.unwrap(), "{life:?}");
         assert_eq!(life.life_factor, None);
         let clean = LifeInput { fatigue_limit: Some(335.0), contamination: Some(0.5), ..makers() };
         assert!(rating_life(&scene, &at_rest(&scene), &clean).life_factor.is_some_and(|factor| factor > 1.0));
