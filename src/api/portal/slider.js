@@ -15,7 +15,10 @@ const HEAD_START = 250;
 /** Time after which shown values are dimmed, because the run of the newest position still goes on [ms]. */
 const DIM_AFTER = 150;
 
-/** Runs only the newest value: older ones that wait are dropped, one that runs is cancelled after its head start. */
+/**
+ * Runs only the newest value: older ones that wait are dropped, one that runs is cancelled after its head start. The one after a cancelled run ends,
+ * so that a slow machine shows something, too.
+ */
 class Latest {
   #running = null;
 
@@ -36,9 +39,15 @@ class Latest {
   }
 
   #hurry() {
-    const { controller, begin } = this.#running;
+    const running = this.#running;
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.waiting && controller.abort(), Math.max(HEAD_START - (performance.now() - begin), 0));
+    if (running.follows) return;
+    const cancel = () => {
+      if (!this.waiting) return;
+      this.cancelled = true;
+      running.controller.abort();
+    };
+    this.timer = setTimeout(cancel, Math.max(HEAD_START - (performance.now() - running.begin), 0));
   }
 
   #next() {
@@ -51,7 +60,9 @@ class Latest {
     const { value } = this.waiting;
     this.waiting = null;
     if (!this.#running) this.changed(true);
-    this.#running = { controller: new AbortController(), begin: performance.now() };
+    // `follows`: a cancelled run.
+    this.#running = { controller: new AbortController(), begin: performance.now(), follows: this.cancelled };
+    this.cancelled = false;
     this.work(value, this.#running.controller.signal).finally(() => this.#next());
   }
 }
