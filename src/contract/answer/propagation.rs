@@ -358,7 +358,8 @@ fn sensitivity(
         let of: Option<&PairShares> = pairs.as_ref().and_then(|pairs| pairs.get(place));
         InputShareAnswer {
             input: job.inputs[place].varied.name.clone(),
-            share: own.share,
+            // Squares of a fit to few points may exceed the variance.
+            share: own.share.min(1.0),
             share_interval: own.interval,
             pair_share: of.map(|pair| pair.first),
             pair_share_interval: of.map(|pair| pair.first_interval),

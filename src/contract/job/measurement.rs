@@ -124,8 +124,10 @@ impl Measurement {
 
     fn of(input: MeasurementInput, uploads: &Uploads, errors: &mut Vec<FieldError>) -> Option<Self> {
         let samples = uploads.get(&input.series);
-        if samples.is_none() {
-            errors.push(FieldError::new("/series", UNKNOWN_SERIES));
+        match samples.as_ref().map(|samples| no_vibration(samples.values())) {
+            None => errors.push(FieldError::new("/series", UNKNOWN_SERIES)),
+            Some(Some(detail)) => errors.push(FieldError::new("/series", detail)),
+            Some(None) => {}
         }
         let end = samples.as_ref().map(|samples| samples.end());
         let turning = match (input.speed_rpm, &input.tachometer) {
@@ -165,6 +167,10 @@ impl Measurement {
     }
 }
 
+/// Largest value of a record: squares of larger ones over a spectrum might overflow.
+const LARGEST: f64 = 1e100;
+/// Variation of a record over its largest value that is rounding [-].
+const ROUNDING: f64 = 1e-12;
 const UNKNOWN_SERIES: &str = "no uploaded series has this hash: post its values to /v1/series";
 
 fn check(value: f64, [lowest, highest]: [f64; 2], unit: &str, pointer: &str, errors: &mut Vec<FieldError>) {
@@ -199,6 +205,9 @@ impl TachometerInput {
             return refuse(pointer, "the times must rise".to_owned());
         }
         pulses.retain(|time| (0.0..=end.unwrap_or(f64::INFINITY)).contains(time));
+        if let Some(detail) = irregularity(&pulses) {
+            return refuse(pointer, detail);
+        }
         let (count, per_turn) = (pulses.len(), self.pulses_per_turn.unwrap_or(1));
         if !(1..=10_000).contains(&per_turn) {
             return refuse("/pulses_per_turn", out_of_range(f64::from(per_turn), 1.0, 1e4, false, ""));
@@ -207,6 +216,35 @@ impl TachometerInput {
             Some(tachometer) => Some(Turning::Pulses(tachometer)),
             None => refuse(pointer, format!("{count} pulses within the record: at least {FEWEST_PULSES} are needed")),
         }
+    }
+}
+
+/// The first interval between pulses that is nearer to twice or half of the one before than to its equal: a pulse is missing or one too many.
+fn irregularity(pulses: &[f64]) -> Option<String> {
+    let place = pulses.windows(3).position(|three| {
+        let ratio = (three[2] - three[1]) / (three[1] - three[0]);
+        !(0.5_f64.sqrt()..=2.0_f64.sqrt()).contains(&ratio)
+    })?;
+    let [a, b, c] = [0, 1, 2].map(|k| pulses[place + k]);
+    Some(format!(
+        "{:.6} s follow an interval of {:.6} s at the pulse at {b:.6} s: a pulse is missing, or one is too many",
+        c - b,
+        b - a
+    ))
+}
+
+/// Why values are no record of a vibration; `None`: they are one.
+fn no_vibration(values: &[f64]) -> Option<String> {
+    let (least, most) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), value| (least.min(*value), most.max(*value)));
+    let largest = least.abs().max(most.abs());
+    if largest > LARGEST {
+        Some(format!("a value of {largest:e}: must be from -{LARGEST:e} to {LARGEST:e}"))
+    } else if most - least <= ROUNDING * largest {
+        Some(format!("all values are {most}: there is no vibration to compare"))
+    } else {
+        None
     }
 }
 
@@ -262,6 +300,9 @@ mod tests {
         assert_eq!(tachometer(json!({ "series": "0b" })), ["/tachometer/series"]);
         assert_eq!(tachometer(json!({ "series": RECORD, "threshold": 99 })), ["/tachometer/series"]);
         assert_eq!(tachometer(json!({ "pulse_times_s": [0.1, 0.2, 0.1] })), ["/tachometer/pulse_times_s"]);
+        // A pulse is missing, or one too many.
+        assert_eq!(tachometer(json!({ "pulse_times_s": [0.1, 0.2, 0.3, 0.5] })), ["/tachometer/pulse_times_s"]);
+        assert_eq!(tachometer(json!({ "pulse_times_s": [0.1, 0.2, 0.20001, 0.3] })), ["/tachometer/pulse_times_s"]);
         assert_eq!(tachometer(json!({ "pulse_times_s": [1, 2, 3] })), ["/tachometer/pulse_times_s"]);
         assert_eq!(
             tachometer(json!({ "pulse_times_s": [0, 0.1, 0.2], "pulses_per_turn": 0 })),
