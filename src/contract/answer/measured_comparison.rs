@@ -406,7 +406,7 @@ mod tests {
         assert!(short.contains("/series: 0.5 s are analysed") && short.contains("windows of 1 s"), "{short}");
         let other = refused(signal(RATE, 1.0, 1.0), &json!({ "speed_rpm": 3000, "unit": "um/s" }));
         assert!(other.contains("/unit: a unit of velocity, but the channel is `spindle.y.acceleration`"), "{other}");
-        let slow = measurement(100.0, vec![0.0; 500], &json!({ "speed_rpm": 3000 }));
+        let slow = measurement(100.0, signal(100.0, 5.0, 1.0), &json!({ "speed_rpm": 3000 }));
         assert!(MeasuredAnswer::of(&slow, &prediction(), &|| false).is_ok());
         let stopped = measurement(RATE, signal(RATE, 1.0, 1.0), &json!({ "speed_rpm": 3000 }));
         assert_eq!(MeasuredAnswer::of(&stopped, &prediction(), &|| true).unwrap(), None);
