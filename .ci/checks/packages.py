@@ -52,9 +52,10 @@ except raceway.Problem as problem:
 results = raceway.run_many([{"bearing": name, "operation": {"speed_rpm": 3000}} for name in ("6204", "nope")], duration_s=0.01, settle_s=0)
 print([result.status for result in results], results[1].error.errors[0].pointer, list(results.rows()[0])[:3])
 """
-# Runs for hours on a service, until it is interrupted.
+# Runs for hours on a service, until it is interrupted. A program that a shell starts in the background ignores SIGINT.
 ENDLESS = """
-import sys, raceway
+import signal, sys, raceway
+signal.signal(signal.SIGINT, signal.default_int_handler)
 print("running", flush=True)
 raceway.Client(sys.argv[1], sys.argv[2]).run({"bearing": "6205", "operation": {"speed_rpm": 3000}}, duration_s=1000, progress=True)
 """
