@@ -105,7 +105,7 @@ def schemathesis(running, place):
         # exists. This check is excluded here, because `--checks all` overrides the settings.
         run(python("schemathesis"), "--config-file", config, "run", f"{url}/openapi.json", "--checks", "all",
             "--exclude-checks", "ensure_resource_availability", "--phases", phases, "--no-color",
-            environment=clean_environment(RACEWAY_TOKEN=TOKEN, **ids), timeout=600, cwd=place)
+            environment=clean_environment(RACEWAY_TOKEN=TOKEN, **ids), timeout=1200, cwd=place)
 
     tried(running.url, "coverage,fuzzing", settings)
     # No test needs a succeeded job, and many jobs run until their time limit, one after the other.
