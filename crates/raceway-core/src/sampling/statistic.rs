@@ -3,7 +3,7 @@
 use super::order_statistics::{interval_ranks, percentile};
 use crate::numerics::statistics::mean;
 
-/// What is sought the best value of.
+/// Statistic of a metric over uncertain inputs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Statistic {
     Mean,
