@@ -1,7 +1,7 @@
 // Names and units of the fields in the form, the slider and the study. Limits and help come from the OpenAPI document of the service,
 // so they agree with the service.
 
-import { number } from './format.js';
+import { number, words } from './format.js';
 
 const field = (pointer, label, symbol, unit, more = {}) => ({ pointer, label, symbol, unit, ...more });
 
@@ -111,6 +111,12 @@ export const FIELDS = GROUPS.flatMap((group) => group.fields);
 
 /** Fields that can be varied: numbers of the scene except catalogue dimensions. */
 export const VARIED = FIELDS.filter((f) => f.pointer.startsWith('/scene/') && !f.choices && !f.lubricants && !f.fixed);
+
+/** Name and unit of a varied field, by its path in the scene. */
+export function axisName(path) {
+  const spec = VARIED.find(({ pointer }) => pointer === `/scene${path}`);
+  return spec ? [spec.label, spec.unit] : [words(path.split('/').pop()), ''];
+}
 
 /** The schema of a field of a job. If a name or an object is allowed, the schema of the object. */
 export function schemaAt(document, pointer) {

@@ -21,6 +21,17 @@ export function number(value, digits = 4, least = 1) {
 /** A computed number with a fixed number of digits, so that columns agree. */
 export const measured = (value, digits = 3) => (value === 0 ? '0' : number(value, digits, digits));
 
+/** A number rounded to the second digit of its error. */
+export function rounded(value, error) {
+  if (!(error > 0) || typeof value !== 'number') return number(value, 5);
+  const digits = Math.max(1 - Math.floor(Math.log10(error)), 0);
+  const text = value.toLocaleString('en-US', { minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: Math.abs(value) >= 1e4 });
+  return minus(text.replaceAll(',', '\u202f'));
+}
+
+/** An error of the computation alone: nothing is known of the spread by tolerances. */
+export const numerical = (error, digits = 1) => `± ${number(error, digits)} numerical only`;
+
 /** A number with its unit, separated by a non-breaking space. */
 export function quantity(value, unit, digits) {
   return unit ? `${number(value, digits)}${unit === '°' ? '' : '\u00a0'}${unit}` : number(value, digits);
@@ -105,7 +116,7 @@ function shaftTitle({ shaft, bearings = [], supports = [], operation = {} }) {
 
 /** A one-line title of a request. */
 export function title(request) {
-  const { scene = {}, axes } = request ?? {};
+  const { scene = {}, axes = [], inputs = [] } = request ?? {};
   if (scene.shaft ?? scene.bearings) return shaftTitle(scene);
   const { bearing, operation = {}, spindle = {}, lubricant, surfaces } = scene;
   const { preset, ...changed } = typeof bearing === 'string' ? { preset: bearing } : (bearing ?? {});
@@ -119,10 +130,10 @@ export function title(request) {
     lubricant && (lubricant.viscosity_grade ?? lubricant.kind ?? (typeof lubricant === 'string' ? lubricant : 'oil')),
     surfaces && surfacesTitle(surfaces),
   ];
-  const varied = (axes ?? []).map(
-    (axis) => `over ${words((axis.path ?? axis.quantity ?? '').split('/').pop().replace(UNIT, ''))}`,
-  );
-  return [name, speed, ...loads.filter(Boolean), ...varied].join(' · ');
+  const field = ({ path, quantity: derived }) => words((path ?? derived ?? '').split('/').pop().replace(UNIT, ''));
+  const varied = axes.map((axis) => `over ${field(axis)}`);
+  const uncertain = inputs.length > 0 && `uncertain ${inputs.map(field).join(', ')}`;
+  return [name, speed, ...loads, ...varied, uncertain].filter(Boolean).join(' · ');
 }
 
 /** Between two numbers of one field. */

@@ -1,7 +1,7 @@
 // Kinds of jobs, and where the page shows them.
 
 /** The tab on which jobs of a kind open. Kinds that are not listed open as a result: with their plots and their answer as JSON. */
-const TABS = { simulation: 'result', optimum: 'result', accuracy: 'result', study: 'study', rotor: 'shaft', machine: 'shaft' };
+const TABS = { simulation: 'result', optimum: 'result', accuracy: 'result', uncertainty: 'result', study: 'study', rotor: 'shaft', machine: 'shaft' };
 
 export const tabOf = ({ kind }) => TABS[kind] ?? 'result';
 

@@ -3,7 +3,7 @@
 import * as api from './api.js';
 import { h, more, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
-import { channelName, LEVEL_UNIT, level, measured, number, quantity } from './format.js';
+import { channelName, LEVEL_UNIT, level, measured, number, numerical, quantity } from './format.js';
 import { isWarning, messageList } from './messages.js';
 import { figure, headlineFigures } from './metrics.js';
 import { Spectra } from './spectra.js';
@@ -86,7 +86,7 @@ export class MachineView {
     const shown = sensors.length ? sensors : this.channels.filter((name) => name.endsWith('.y.acceleration'));
     const errors = levelErrors(accuracy);
     const of = (name) => {
-      const error = errors[name] === undefined ? '' : `± ${number(errors[name], 1)}`;
+      const error = errors[name] === undefined ? '' : numerical(errors[name]);
       return figure(
         `Level ${channelName(name.replace(/^sensor\.|\.acceleration$/g, ''))}`,
         level(channels[name].level_db),
@@ -125,7 +125,7 @@ export class MachineView {
     });
     return table(
       'Levels, 0 to 20 kHz',
-      ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, '±, dB'],
+      ['Channel', 'Unit', 'rms', 'Peak', 'Crest', 'Kurtosis', `Level, ${LEVEL_UNIT}`, 'Numerical ±, dB'],
       rows,
     );
   }

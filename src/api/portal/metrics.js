@@ -2,7 +2,7 @@
 
 import { leftOut } from './derived.js';
 import { h, more, table } from './dom.js';
-import { channelName, LEVEL_UNIT, level, measured, number, words } from './format.js';
+import { channelName, LEVEL_UNIT, level, measured, number, numerical, words } from './format.js';
 import { isWarning, messageList } from './messages.js';
 
 const MOTIONS = { decaying: 'regular motion', diverging: 'chaotic motion' };
@@ -47,9 +47,10 @@ export function summary(metrics) {
   const within = (axis) => {
     const { level_error_db: own, level_scatter_db: scatter } = channels[`spindle.${axis}.acceleration`] ?? {};
     const error = own ?? accuracy.level_error_db;
-    const known = typeof error === 'number' ? `± ${number(error, 1)}` : '';
+    const known = typeof error === 'number' && numerical(error);
     // Shown if it exceeds the error and matters for a level with one decimal.
-    return scatter > Math.max(error ?? 0, 0.05) ? `${known}, over another time window ± ${number(scatter, 1)}` : known;
+    const later = scatter > Math.max(error ?? 0, 0.05) && `over another time window ± ${number(scatter, 1)}`;
+    return [known, later].filter(Boolean).join(', ');
   };
   return [
     h(

@@ -1,13 +1,14 @@
-// Answers that the service draws itself: plots as pictures, and the tables of an optimum or accuracy job.
+// Answers that the service draws itself: plots as pictures, and the numbers of an optimum, accuracy or uncertainty job.
 
 import * as api from './api.js';
 import { h, more, table } from './dom.js';
-import { VARIED } from './fields.js';
-import { channelName, measured, number, quantity, seconds, words } from './format.js';
+import { axisName } from './fields.js';
+import { measured, number, numerical, quantity, seconds, words } from './format.js';
 import { plotsOf } from './kinds.js';
 import { figure } from './metrics.js';
 import { picture } from './plots.js';
-import { METRICS } from './study-metrics.js';
+import { metricName } from './study-metrics.js';
+import { uncertainty } from './uncertainty.js';
 
 /** Plots of a job as figures. `only`: names in `links`. */
 export async function pictures(job, { signal, only, theme } = {}) {
@@ -29,28 +30,19 @@ export async function pictures(job, { signal, only, theme } = {}) {
 export function answerView(kind, answer) {
   if (kind === 'optimum') return optimum(answer);
   if (kind === 'accuracy') return accuracy(answer);
+  if (kind === 'uncertainty') return uncertainty(answer);
   return { first: [], rest: [] };
 }
 
-/** Name and unit of a varied field. */
-export function axisName(path) {
-  const spec = VARIED.find(({ pointer }) => pointer === `/scene${path}`);
-  return spec ? [spec.label, spec.unit] : [words(path.split('/').pop()), ''];
-}
-
-/** Name and unit of a metric; one that no study plots is named by its pointer. */
-export function metricName(pointer) {
-  const known = METRICS.find((metric) => metric[0] === pointer);
-  return known ? [known[1], known[2]] : [channelName(pointer.split('/').slice(1).map(words).join(' ')), ''];
-}
-
-function optimum({ metric, goal, axes, point, value, error, within, at_end_of_range: ends, runs, failed, rivals, evaluations }) {
+function optimum({ metric, goal, axes, point, value, error, statistic, within, at_end_of_range: ends, runs, failed, rivals, evaluations }) {
   const places = axes.map(({ axis }) => {
     const [name, unit] = axisName(axis);
     const range = within?.[axis];
     return figure(name, number(point[axis], 5), unit, range && `${number(range[0], 5)} to ${number(range[1], 5)} within the errors`);
   });
   const [name, unit] = metricName(metric);
+  // The error of a statistic is that of the samples.
+  const remark = error === undefined ? '' : statistic ? `± ${number(error, 2)}` : numerical(error, 2);
   const heads = [...axes.map(({ axis }) => axisName(axis).filter(Boolean).join(', ')), 'Value', 'Estimated error', 'Purpose'];
   const row = (run) => [
     ...axes.map(({ axis }) => number(run.point[axis], 6)),
@@ -63,7 +55,7 @@ function optimum({ metric, goal, axes, point, value, error, within, at_end_of_ra
       h(
         'dl',
         { class: 'figures' },
-        figure(`${goal === 'minimum' ? 'Least' : 'Largest'} value: ${name}`, number(value, 5), unit, error === undefined ? '' : `± ${number(error, 2)}`),
+        figure(`${goal === 'minimum' ? 'Least' : 'Largest'} value: ${name}`, number(value, 5), unit, remark),
         places,
         figure('Runs', number(runs), '', failed ? `${failed} failed` : ''),
       ),

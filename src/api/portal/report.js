@@ -3,16 +3,18 @@
 import * as api from './api.js';
 import { button, h, lineName, table } from './dom.js';
 import { flat } from './download.js';
+import { axisName } from './fields.js';
 import { channelName, measured, number, quantity, title, UNITS, words } from './format.js';
 import { answerOf } from './kinds.js';
 import { MachineView } from './machine.js';
 import { messageList } from './messages.js';
 import { linesOf, summary, tables } from './metrics.js';
-import { answerView, axisName, metricName, pictures } from './pictures.js';
+import { answerView, pictures } from './pictures.js';
 import { isId } from './request.js';
+import { metricName } from './study-metrics.js';
 
 /** Plots of a report, for the kinds that have many. */
-const PLOTS = ['spectrum_svg', 'envelope_svg', 'waterfall_svg', 'orders_svg', 'trend_svg', 'map_svg', 'optimum_svg', 'work_precision_svg', 'campbell_svg', 'shapes_svg'];
+const PLOTS = ['spectrum_svg', 'envelope_svg', 'waterfall_svg', 'orders_svg', 'trend_svg', 'map_svg', 'optimum_svg', 'uncertainty_svg', 'work_precision_svg', 'campbell_svg', 'shapes_svg'];
 
 export class Report {
   constructor(host, { say }) {
@@ -109,7 +111,8 @@ export class Report {
       rotor: () => [...plots, ...criticalSpeeds(answer)],
     }[job.kind];
     if (of) return { elements: of(), messages };
-    const { first, rest } = answerView(job.kind, answer);
+    // Messages have a part of their own.
+    const { first, rest } = answerView(job.kind, { ...answer, messages: [] });
     return { elements: [...first, ...plots, ...opened(rest)], messages };
   }
 

@@ -1,8 +1,8 @@
 // One run: its progress, then its results.
 
 import * as api from './api.js';
-import { h, small } from './dom.js';
-import { keep } from './download.js';
+import { h, more, small, tools } from './dom.js';
+import { command, curl, keep } from './download.js';
 import { moment, title, words } from './format.js';
 import { MachineView } from './machine.js';
 import { answerOf } from './kinds.js';
@@ -129,18 +129,22 @@ export class Result {
     this.say(error.message);
   }
 
-  /** The answer of an optimum job, an accuracy job, or of a kind that this page does not know. */
+  /** The answer of an optimum, accuracy or uncertainty job, or of a kind that this page does not know. */
   async #report(job, signal) {
     const path = answerOf(job);
     const [plots, answer] = await Promise.all([pictures(job, { signal }), path ? api.get(path, { signal }) : {}]);
     if (signal.aborted) return;
     const { first, rest } = answerView(job.kind, answer);
-    this.body.replaceChildren(
-      ...first,
-      ...plots,
-      ...rest,
-      path ? small('Download JSON', () => keep(`${job.kind}-${job.id}.json`, path, 'application/json')) : '',
-    );
+    const { table } = job.links;
+    const name = `${job.kind}-${job.id}`;
+    const file = (text, at, type, file) => at && small(text, () => keep(file, at, type).catch((error) => this.say(error.message)));
+    const files = [
+      file('Download JSON', path, 'application/json', `${name}.json`),
+      file('Table CSV', table, 'text/csv', `${name}-table.csv`),
+      file('Table JSON', table, 'application/json', `${name}-table.json`),
+    ];
+    const command_ = path && more('curl command', command(curl({ path, token: api.hasToken() })));
+    this.body.replaceChildren(...first, ...plots, ...rest, tools(files), command_ || '');
   }
 
   async #machine(job, signal) {

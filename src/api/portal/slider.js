@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { button, h, labelled, more, select, tools } from './dom.js';
 import { command, curl } from './download.js';
 import { rangeAround, schemaAt, VARIED } from './fields.js';
-import { level, number, quantity, seconds, words } from './format.js';
+import { level, number, numerical, quantity, seconds, words } from './format.js';
 import { usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 import { read, write } from './request.js';
@@ -267,7 +267,7 @@ export class Slider {
     const rate = this.frames.length > 2 ? (this.frames.length - 1) / ((now - this.frames[0]) / 1000) : 0;
     const channel = metrics.channels[spectrum.channel];
     const error = channel?.level_error_db ?? metrics.accuracy.level_error_db;
-    this.level.textContent = `${level(channel?.level_db)} dB${error === undefined ? '' : ` ± ${number(error, 1)}`}`;
+    this.level.textContent = `${level(channel?.level_db)} dB${error === undefined ? '' : ` ${numerical(error)}`}`;
     this.rate.textContent = rate ? rate.toFixed(0) : '–';
     this.rung.textContent = words(metrics.solver.rung);
     this.delay.textContent = seconds((now - begin) / 1000);

@@ -1,6 +1,6 @@
-// Metrics that a study plots and an optimum searches.
+// Metrics that a study plots, an optimum searches, and whose spread an uncertainty job finds.
 
-import { LEVEL_UNIT } from './format.js';
+import { channelName, LEVEL_UNIT, words } from './format.js';
 
 /** Plotted metrics: pointer, name, unit, and the function for the error of a point, if stated. */
 export const METRICS = [
@@ -40,5 +40,11 @@ export const valueAt = (metrics, pointer) =>
     .slice(1)
     .reduce((value, step) => value?.[step], metrics);
 
-/** Metrics that every scene has, so that an optimum of any of them can be searched. */
+/** Name and unit of a metric; one that no study plots is named by its pointer. */
+export function metricName(pointer) {
+  const known = METRICS.find((metric) => metric[0] === pointer);
+  return known ? [known[1], known[2]] : [channelName(pointer.split('/').slice(1).map(words).join(' ')), ''];
+}
+
+/** Metrics that every scene has, so that the optimum or the spread of any of them can be found. */
 export const SEARCHED = METRICS.filter(([pointer]) => !/envelope|pocket/.test(pointer));

@@ -3,9 +3,9 @@
 import * as api from './api.js';
 import { h, labelled, more, select, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
+import { axisName } from './fields.js';
 import { number, quantity, words } from './format.js';
 import { HeatMap } from './map.js';
-import { axisName } from './pictures.js';
 import { CurvePlot } from './plots.js';
 import { METRICS, valueAt } from './study-metrics.js';
 

@@ -1,18 +1,29 @@
-// Many runs of one scene: the trend of a metric over one parameter, its map over two, its optimum, or the error of methods over run time.
+// Many runs of one scene: the trend of a metric over one parameter, its map over two, its optimum, its spread by uncertain inputs, or the
+// error of methods over run time.
 
 import * as api from './api.js';
 import { h, labelled, select, small } from './dom.js';
 import { title } from './format.js';
 import { StudyTable } from './study-table.js';
 import { SEARCHED } from './study-metrics.js';
+import { UncertaintyForm } from './uncertainty-form.js';
 import { VariedAxis } from './varied-axis.js';
 
 const TASKS = [
   ['study', 'trend or map'],
   ['optimum', 'optimum'],
+  ['uncertainty', 'uncertainty'],
   ['accuracy', 'accuracy of methods'],
 ];
-const BUTTONS = { study: 'Run study', optimum: 'Find optimum', accuracy: 'Compare methods' };
+const BUTTONS = { study: 'Run study', optimum: 'Find optimum', uncertainty: 'Run samples', accuracy: 'Compare methods' };
+
+/** The field of an error. */
+const inWords = (pointer) =>
+  pointer
+    .replace('/axes/0/', '')
+    .replace('/axes/1/', 'second parameter, ')
+    .replace(/^\/inputs\/(\d+)\/(distribution\/)?/, (_, i) => `input ${Number(i) + 1}, `)
+    .replace(/^\//, '');
 
 export class Study {
   /** `open(job)` shows a submitted job of any kind, `report(job)` its report. */
@@ -20,6 +31,7 @@ export class Study {
     Object.assign(this, { request, say, open, report });
     const axis = (settings) => new VariedAxis({ document, request, resolved, ...settings });
     this.axes = [axis({ first: true, pointer: '/scene/bearing/radial_clearance_um' }), axis({ first: false, pointer: '' })];
+    this.uncertainty = new UncertaintyForm({ document, request, resolved });
     this.task = select(TASKS, () => this.#settle());
     this.metric = select(SEARCHED.map(([pointer, name]) => [pointer, name]));
     this.goal = select([
@@ -53,6 +65,7 @@ export class Study {
     const parts = {
       study: this.axes.map((axis) => axis.element),
       optimum: [...this.axes.map((axis) => axis.element), this.search],
+      uncertainty: this.uncertainty.elements,
       accuracy: [h('p', { class: 'note' }, 'Runs the scene of the form with each method at several tolerances, and states error and run time.')],
     }[task];
     for (const axis of this.axes) axis.grid.hidden = task === 'optimum';
@@ -63,22 +76,27 @@ export class Study {
 
   reset() {
     this.axes.forEach((axis) => axis.reset());
+    this.uncertainty.reset();
   }
 
   #job() {
     const kind = this.task.value;
     const { scene, solver, duration_s, settle_s, outputs } = this.request();
     const { envelope, envelope_band_hz } = outputs ?? {};
-    const axes = this.axes.filter((axis) => axis.isThere).map((axis) => axis.value(kind === 'optimum'));
+    const axes = () => this.axes.filter((axis) => axis.isThere).map((axis) => axis.value(kind === 'optimum'));
+    const ofKind = {
+      study: () => ({ ...((envelope || envelope_band_hz) && { outputs: { envelope, envelope_band_hz } }), axes: axes() }),
+      optimum: () => ({ axes: axes(), metric: this.metric.value, goal: this.goal.value }),
+      uncertainty: () => this.uncertainty.value,
+      accuracy: () => ({}),
+    };
     return {
       kind,
       scene,
       ...(solver && { solver }),
       ...(duration_s && { duration_s }),
       ...(settle_s !== undefined && { settle_s }),
-      ...((envelope || envelope_band_hz) && kind === 'study' && { outputs: { envelope, envelope_band_hz } }),
-      ...(kind !== 'accuracy' && { axes }),
-      ...(kind === 'optimum' && { metric: this.metric.value, goal: this.goal.value }),
+      ...ofKind[kind](),
     };
   }
 
@@ -89,7 +107,7 @@ export class Study {
       await this.open(await api.submit(this.#job()));
     } catch (error) {
       this.error.textContent = error.errors?.length
-        ? error.errors.map(({ pointer, detail }) => `${pointer.replace('/axes/0/', '').replace('/axes/1/', 'second parameter, ')}: ${detail}`).join('; ')
+        ? error.errors.map(({ pointer, detail }) => `${inWords(pointer)}: ${detail}`).join('; ')
         : error.message;
     } finally {
       this.start.disabled = false;

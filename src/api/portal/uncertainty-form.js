@@ -1,0 +1,194 @@
+// The fields of an uncertainty job: uncertain inputs with their distributions, the samples, and the metrics. Limits and defaults come
+// from the OpenAPI document.
+
+import { h, labelled, select, small, tools } from './dom.js';
+import { VARIED } from './fields.js';
+import { readNumber } from './form.js';
+import { words } from './format.js';
+import { read } from './request.js';
+import { SEARCHED } from './study-metrics.js';
+import { VariedField } from './varied-axis.js';
+
+/** The field that a clearance group describes. */
+const CLEARANCE = '/scene/bearing/radial_clearance_um';
+/** Fields with a distribution of numbers. Samples of whole numbers would be refused. */
+const UNCERTAIN = VARIED.filter(({ whole }) => !whole);
+/** Deviation of an input as it opens, as a share of the range of a slider: small enough for samples with which most scenes can be built. */
+const DEVIATION = 0.05;
+/** Digits of a value as it opens. */
+const DIGITS = 4;
+
+/** Numbers of a distribution: label, and the value as it opens from the value of the scene and a deviation from it. */
+const NUMBERS = {
+  mean: ['Mean', (value) => value],
+  standard_deviation: ['Standard deviation', (value, deviation) => deviation],
+  from: ['From', (value, deviation) => value - deviation],
+  mode: ['Most probable', (value) => value],
+  to: ['To', (value, deviation) => value + deviation],
+  nominal: ['Nominal', (value) => value],
+  plus: ['Plus', (value, deviation) => deviation],
+  minus: ['Minus', (value, deviation) => deviation],
+};
+/** Numbers that each distribution takes. */
+const DISTRIBUTIONS = {
+  normal: ['mean', 'standard_deviation', 'from', 'to'],
+  uniform: ['from', 'to'],
+  triangular: ['from', 'mode', 'to'],
+  lognormal: ['mean', 'standard_deviation'],
+  tolerance: ['nominal', 'plus', 'minus'],
+  clearance_group: [],
+};
+/** Whether a number may be absent: a normal distribution is cut only where it has limits. */
+const isOptional = (type, name) => type === 'normal' && ['from', 'to'].includes(name);
+
+class UncertainInput extends VariedField {
+  constructor({ remove, ...settings }) {
+    super({
+      ...settings,
+      label: 'Parameter',
+      fields: UNCERTAIN,
+      onChange: () => {
+        this.#offer();
+        this.reset();
+      },
+    });
+    this.distribution = select([], () => this.reset());
+    this.numbers = h('span', { class: 'tools' });
+    this.legend = h('legend', {});
+    this.removal = small('Remove', () => remove(this));
+    const kind = labelled('Distribution', this.distribution);
+    this.element = h('fieldset', { class: 'item' }, this.legend, tools(this.choice, kind, this.numbers, this.removal));
+    this.#offer();
+    this.reset();
+  }
+
+  /** Names the input by its place in the list. */
+  name(place) {
+    this.place = `Input ${place}`;
+    this.legend.textContent = this.place;
+    this.removal.setAttribute('aria-label', `Remove input ${place}`);
+  }
+
+  /** Offers the distributions of the field, and keeps the chosen one if it is among them. */
+  #offer() {
+    const offered = Object.keys(DISTRIBUTIONS).filter((type) => type !== 'clearance_group' || this.field.value === CLEARANCE);
+    const chosen = offered.find((type) => type === this.distribution.value) ?? offered[0];
+    this.distribution.replaceChildren(...offered.map((type) => h('option', { value: type }, words(type))));
+    this.distribution.value = chosen;
+  }
+
+  /** Sets the numbers of the distribution around the value of the form. Entered ones are kept as long as that is unchanged. */
+  reset() {
+    if (!this.resolved()) return;
+    const type = this.distribution.value;
+    const { value, range, schema } = this.around();
+    const base = [this.field.value, type, value].join(' ');
+    if (base === this.base) return;
+    this.base = base;
+    const [from, to] = range;
+    const middle = typeof value === 'number' ? value : (from + to) / 2;
+    const control = (name) => {
+      const start = Math.max(NUMBERS[name][1](middle, DEVIATION * (to - from)), schema.minimum ?? -Infinity);
+      const text = isOptional(type, name) ? { placeholder: 'not cut' } : { value: Number(start.toPrecision(DIGITS)) };
+      return h('input', { type: 'text', inputmode: 'decimal', class: 'short', autocomplete: 'off', ...text });
+    };
+    this.controls = Object.fromEntries(DISTRIBUTIONS[type].map((name) => [name, control(name)]));
+    const shown = Object.entries(this.controls).map(([name, input]) => labelled(NUMBERS[name][0], input));
+    this.numbers.replaceChildren(...(type === 'clearance_group' ? [this.#group()] : [...shown, this.spec.unit]));
+  }
+
+  /** The choice of a clearance group; at first that of the scene, else the ordinary one. */
+  #group() {
+    const names = this.document.components.schemas.ClearanceGroupName.enum;
+    this.group = select(names.map((name) => [name, name]));
+    this.group.value = read(this.resolved(), '/derived/clearance/group') ?? 'CN';
+    return labelled('Group', this.group);
+  }
+
+  /** The input of a request. */
+  get value() {
+    const type = this.distribution.value;
+    if (type === 'clearance_group') return { path: this.path, distribution: { type, group: this.group.value } };
+    const number = ([name, { value: text }]) => {
+      const { value, error } = readNumber(text);
+      if (error) throw new Error(`${this.place}, ${NUMBERS[name][0].toLowerCase()}: ${error}`);
+      return [name, value];
+    };
+    return { path: this.path, distribution: { type, ...Object.fromEntries(Object.entries(this.controls).map(number)) } };
+  }
+}
+
+export class UncertaintyForm {
+  constructor(settings) {
+    this.settings = settings;
+    const { schemas } = settings.document.components;
+    const { inputs, samples, design, seed } = schemas.UncertaintyJob.properties;
+    const whole = ({ minimum, maximum, default: value }) =>
+      h('input', { type: 'number', min: minimum, max: maximum, value, class: 'short', oninput: () => this.#count() });
+    this.most = inputs.maxItems;
+    this.inputs = [];
+    this.list = h('div', {});
+    this.add = small('Add input', () => this.#add().field.focus());
+    this.samples = whole(samples);
+    this.design = select(schemas.DesignName.enum.map((name) => [name, words(name)]), () => this.#count());
+    this.design.value = design.default;
+    this.seed = whole(seed);
+    this.runs = h('span', { class: 'note', role: 'status' });
+    this.metrics = SEARCHED.map(([pointer], i) => h('input', { type: 'checkbox', value: pointer, checked: i === 0 }));
+    const boxes = this.metrics.map((box, i) => h('label', {}, box, SEARCHED[i][1]));
+    this.elements = [
+      this.list,
+      tools(this.add),
+      tools(labelled('Samples', this.samples), labelled('Design', this.design), labelled('Seed', this.seed), this.runs),
+      h('fieldset', { class: 'item' }, h('legend', {}, 'Metrics'), tools(boxes)),
+    ];
+    this.#add();
+  }
+
+  /** Adds an input of a field that is not uncertain yet, the clearance first; returns it. */
+  #add() {
+    const isFree = (pointer) => !this.inputs.some(({ field }) => field.value === pointer);
+    const pointer = [CLEARANCE, ...UNCERTAIN.map((one) => one.pointer)].find(isFree);
+    const input = new UncertainInput({ ...this.settings, pointer, remove: (one) => this.#remove(one) });
+    this.inputs.push(input);
+    this.#show();
+    return input;
+  }
+
+  #remove(input) {
+    this.inputs = this.inputs.filter((one) => one !== input);
+    this.#show();
+    this.add.focus();
+  }
+
+  #show() {
+    this.list.replaceChildren(...this.inputs.map(({ element }) => element));
+    this.inputs.forEach((input, i) => {
+      input.name(i + 1);
+      input.removal.hidden = this.inputs.length === 1;
+    });
+    this.add.disabled = this.inputs.length === this.most;
+    this.#count();
+  }
+
+  /** Shows how many runs the samples are: pairs repeat them for each input and twice more, and the nominal run is one more. */
+  #count() {
+    const times = this.design.value === 'pairs' ? this.inputs.length + 2 : 1;
+    this.runs.textContent = `${this.samples.value * times + 1} runs`;
+  }
+
+  reset() {
+    this.inputs.forEach((input) => input.reset());
+  }
+
+  /** The fields of a request. */
+  get value() {
+    return {
+      inputs: this.inputs.map(({ value }) => value),
+      samples: Number(this.samples.value),
+      design: this.design.value,
+      seed: Number(this.seed.value),
+      metrics: this.metrics.filter(({ checked }) => checked).map(({ value }) => value),
+    };
+  }
+}
