@@ -13,6 +13,7 @@ import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 import * as measured from './measured.mjs';
+import { uncertainty } from './uncertainty.mjs';
 
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const PICTURES = process.env.SCREENSHOTS;
@@ -156,6 +157,12 @@ async function accessible(page, where) {
   assert.deepEqual(found, [], `axe finds nothing: ${where}`);
 }
 
+/** Nothing on the page is wider than its window. */
+async function fits(page, what) {
+  const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
+  assert.ok(wide <= inner, `${what} at ${inner} px is ${wide} px wide`);
+}
+
 const field = (page, pointer) => page.locator(`#f${pointer.replaceAll('/', '-')}`);
 const ofShaft = (page, pointer) => page.locator(`#s${pointer.replaceAll('/', '-')}`);
 const shaftRequest = async (page) => JSON.parse(await page.locator('#shaft-json').inputValue());
@@ -176,6 +183,7 @@ async function example(browser, url, hasToken) {
   const [levels, plot] = await Promise.all(
     ['.figures', '.canvas'].map((of) => page.locator(`#panel-result ${of}`).first().boundingBox()),
   );
+  assert.match(await page.locator('#panel-result .figures').first().textContent(), /± \S+ numerical only/, 'an error says that it knows no tolerances');
   assert.ok(levels.y < plot.y && plot.y + plot.height <= DESKTOP.height, `levels at ${levels.y}, spectrum to ${plot.y + plot.height} px`);
   await labelsAreClear(page, '#panel-result');
   await picture(page, hasToken ? 'example-token' : 'example');
@@ -866,8 +874,7 @@ async function everywhere(browser, url, from, colorScheme) {
       if (panel === 'jobs') await page.locator('#panel-jobs tbody tr').first().waitFor();
       if (panel === 'shaft') await page.locator('.rotor .shape svg').waitFor({ timeout: 30000 });
       await picture(page, `${panel}-${name}-${colorScheme}`);
-      const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
-      assert.ok(wide <= inner, `${panel} at ${name} px is ${wide} px wide`);
+      await fits(page, panel);
       await accessible(page, `${panel}, ${name} px, ${colorScheme}`);
     }
     assert.deepEqual(faults, []);
@@ -959,7 +966,9 @@ try {
   /** The parts with scenes of their own, one after the other. Returns the request of the shaft that was built. */
   const ownScenes = async () => {
     let built;
+    const tools = { ok, accessible, picture, noLeftovers, reportOf, fits, desktop: DESKTOP, phone: PHONE };
     for (const [part, refused] of [
+      [(page) => uncertainty(page, tools), '/v1/jobs'],
       [orderedByName, '/v1/scenes/resolve'],
       [surfaces, '/v1/scenes/resolve'],
       [shaft, '/v1/rotor'],
