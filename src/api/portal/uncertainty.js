@@ -52,7 +52,7 @@ function spread(pointer, of, messages) {
   const [name, unit] = metricName(pointer);
   const ofError = pointer.endsWith('level_db') ? 'dB' : unit;
   const shown = (value) => rounded(value, deviation);
-  const within = (error) => (error === undefined ? 'unknown' : `± ${number(error, 2)}`);
+  const within = (error) => `± ${number(error, 2)}`;
   const percentiles = of.percentiles.map(({ percentile, value, from, to }) => [`P${percentile}`, shown(value), between(shown(from), shown(to))]);
   return h(
     'section',
@@ -64,7 +64,9 @@ function spread(pointer, of, messages) {
       figure('Mean', shown(of.mean), unit, `${within(errors.tolerance_spread)} tolerance spread`),
       figure('Nominal', shown(of.nominal), unit),
       power !== undefined && figure('Level of the mean power', shown(power), unit),
-      figure('Integration error', within(errors.integration), errors.integration === undefined ? '' : ofError, 'numerical'),
+      errors.integration === undefined
+        ? figure('Integration error', 'unknown')
+        : figure('Integration error', within(errors.integration), ofError, 'numerical'),
       figure('Sampling error', within(errors.sampling), ofError, 'of the mean'),
       figure('Model bound', within(errors.model.model_tolerance_db), 'dB', 'of levels'),
       figure('Verdict', VERDICTS[of.verdict] ?? words(of.verdict)),
