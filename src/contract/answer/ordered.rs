@@ -15,9 +15,9 @@ use crate::contract::scene::scene_input::ResolvedScene;
 /// The bearing of the catalogue that the designation names.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DesignationAnswer {
-    /// Designation without suffixes of seals, clearance and tolerance.
+    /// Designation without suffixes and prefix.
     pub designation: String,
-    /// Suffixes and what they mean to the simulation.
+    /// Suffixes and prefix, and what they mean to the simulation.
     pub suffixes: Vec<SuffixAnswer>,
     /// Sources of number and size of the balls.
     pub source: String,
@@ -32,7 +32,7 @@ pub struct DesignationAnswer {
 /// A suffix of a designation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SuffixAnswer {
-    /// The suffix.
+    /// The suffix, or the prefix.
     pub suffix: String,
     /// Its effect on the simulation.
     pub effect: String,
@@ -116,6 +116,7 @@ impl SuffixAnswer {
             Suffix::Shields(_) => "shields or seals without contact: no effect",
             Suffix::Clearance(_) => "clearance group",
             Suffix::Tolerance(_) => "tolerance class: no effect, give `surfaces` for waviness",
+            Suffix::Hybrid(_) => "balls of silicon nitride, `si3n4`",
         };
         Self { suffix: suffix.text().to_owned(), effect: effect.to_owned() }
     }

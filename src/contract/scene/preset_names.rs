@@ -32,8 +32,8 @@ names! {
     "Name of a quality of raceways of `GET /v1/presets`." SurfaceName: presets::SURFACES.map(|surface| surface.name);
 }
 
-/// Name of a bearing of `GET /v1/presets`, or a designation of `GET /v1/catalogue` with suffixes of seals, clearance and tolerance, such as
-/// `6206-2RS/C3`.
+/// Name of a bearing of `GET /v1/presets`, or a designation of `GET /v1/catalogue` with suffixes of seals, clearance, tolerance and hybrid
+/// bearings, such as `6206-2RS/C3` or `7008C/HC`.
 #[derive(Serialize, ToSchema)]
 #[schema(value_type = String, examples("6205", "7008C", "6206-2RS/C3"))]
 pub struct BearingName(pub String);

@@ -298,3 +298,13 @@ fn the_catalogue_is_searched() {
     let note = catalogue_answer(&CatalogueSearch { text, ..all() }).bearings[0].note;
     assert!(!note.is_empty(), "makers differ");
 }
+
+/// A hybrid bearing by its designation is the steel one with balls of silicon nitride.
+#[test]
+fn a_hybrid_bearing_has_balls_of_silicon_nitride() {
+    let by_name = bearing(json!("HC7008C"));
+    let by_material = bearing(json!({"preset": "7008C", "materials": {"ball": "si3n4"}}));
+    assert_eq!(json!(by_name.scene), json!(by_material.scene));
+    let designation = by_name.derived.designation.unwrap();
+    assert_eq!((designation.designation.as_str(), designation.suffixes[0].suffix.as_str()), ("7008C", "HC"));
+}

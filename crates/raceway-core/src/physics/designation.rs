@@ -1,4 +1,4 @@
-//! Designations as people order bearings: a bearing of the catalogue and suffixes, such as `6206-2RS/C3`.
+//! Designations as people order bearings: a bearing of the catalogue, suffixes and a maker's prefix, such as `6206-2RS/C3` or `HCB7008C`.
 
 use super::catalogue::{self, CatalogueBearing};
 use super::clearance::ClearanceGroup;
@@ -20,6 +20,8 @@ pub enum Suffix {
     Clearance(ClearanceGroup),
     /// Tolerance class of dimensions and running accuracy; without effect on the ideal geometry.
     Tolerance(&'static str),
+    /// Balls of silicon nitride.
+    Hybrid(&'static str),
 }
 
 /// Why a designation cannot be read.
@@ -34,7 +36,7 @@ pub enum UnknownDesignation {
 }
 
 /// Suffixes, longer ones before those that they begin with. Makers' names of the same seal stand together.
-const SUFFIXES: [Suffix; 41] = [
+const SUFFIXES: [Suffix; 44] = [
     Suffix::Seals("2RS1"),
     Suffix::Seals("2RSH"),
     Suffix::Seals("2RSR"),
@@ -74,9 +76,15 @@ const SUFFIXES: [Suffix; 41] = [
     Suffix::Tolerance("P0"),
     Suffix::Tolerance("P6"),
     Suffix::Tolerance("P5"),
+    Suffix::Tolerance("P4A"),
     Suffix::Tolerance("P4"),
     Suffix::Tolerance("P2"),
+    Suffix::Hybrid("HC5"),
+    Suffix::Hybrid("HC"),
 ];
+
+/// Prefixes of makers, longer ones first.
+const PREFIXES: [Suffix; 2] = [Suffix::Hybrid("HCB"), Suffix::Hybrid("HC")];
 
 /// Characters between designation and suffixes.
 const SEPARATORS: [char; 5] = [' ', '-', '/', '.', ','];
@@ -94,10 +102,13 @@ impl Designation {
         if text.chars().count() > LONGEST {
             return Err(UnknownDesignation::Bearing { similar: Vec::new() });
         }
-        let known = catalogue::bearings().iter().filter(|bearing| text.starts_with(bearing.designation));
-        let bearing = known.max_by_key(|bearing| bearing.designation.len()).ok_or_else(unknown)?;
-        let mut rest = text.strip_prefix(bearing.designation).unwrap_or_default();
-        let mut suffixes = Vec::new();
+        let prefixed = PREFIXES.iter().find_map(|prefix| Some((*prefix, text.strip_prefix(prefix.text())?)));
+        let (mut suffixes, bare) = prefixed.map_or((Vec::new(), text.as_str()), |(prefix, bare)| (vec![prefix], bare));
+        let bare = bare.trim_start_matches(SEPARATORS);
+        let known = catalogue::bearings().iter();
+        let known = known.filter_map(|bearing| Some((bearing, after(bearing.designation, bare)?)));
+        let longest = known.max_by_key(|(bearing, _)| bearing.designation.len());
+        let (bearing, mut rest) = longest.ok_or_else(unknown)?;
         loop {
             rest = rest.trim_start_matches(SEPARATORS);
             if rest.is_empty() {
@@ -106,7 +117,7 @@ impl Designation {
             let found = SUFFIXES.iter().find_map(|suffix| Some((suffix, rest.strip_prefix(suffix.text())?)));
             let Some((suffix, after)) = found else {
                 // `62066` is no 6206 with a suffix.
-                let is_longer = suffixes.is_empty() && text.len() == bearing.designation.len() + rest.len();
+                let is_longer = bare.len() == bearing.designation.len() + rest.len();
                 return Err(if is_longer && rest.starts_with(|c: char| c.is_ascii_digit()) {
                     unknown()
                 } else {
@@ -130,12 +141,18 @@ impl Designation {
             _ => None,
         })
     }
+
+    /// Whether the balls are of silicon nitride.
+    pub fn is_hybrid(&self) -> bool {
+        self.suffixes.iter().any(|suffix| matches!(suffix, Suffix::Hybrid(_)))
+    }
 }
 
 impl Suffix {
+    /// The text of the designation.
     pub fn text(self) -> &'static str {
         match self {
-            Self::Seals(text) | Self::Shields(text) | Self::Tolerance(text) => text,
+            Self::Seals(text) | Self::Shields(text) | Self::Tolerance(text) | Self::Hybrid(text) => text,
             Self::Clearance(group) => group.name(),
         }
     }
@@ -144,6 +161,14 @@ impl Suffix {
     pub fn all() -> impl Iterator<Item = &'static str> {
         SUFFIXES.iter().map(|suffix| suffix.text())
     }
+}
+
+/// What follows a designation in a text, which may have separators before the letters of the contact angle: `7008-C`.
+fn after<'t>(designation: &str, text: &'t str) -> Option<&'t str> {
+    designation.chars().try_fold(text, |rest, next| {
+        let rest = if next.is_ascii_alphabetic() { rest.trim_start_matches(SEPARATORS) } else { rest };
+        rest.strip_prefix(next)
+    })
 }
 
 /// Designations that differ in few characters: first those that continue the text, then the nearest.
@@ -198,7 +223,11 @@ mod tests {
         assert_eq!(read("7008C/P4"), ("7008C", vec!["P4"]));
         assert_eq!(read("71805AC"), ("71805AC", vec![]));
         assert_eq!(read("608ZZMC3"), ("608", vec!["ZZ", "MC3"]));
+        assert_eq!(read("HCB7008-C/P4A"), ("7008C", vec!["HCB", "P4A"]));
+        assert_eq!(read("7008C HC P4"), ("7008C", vec!["HC", "P4"]));
+        assert_eq!(read("6205-2RS/HC5C3"), ("6205", vec!["2RS", "HC5", "C3"]));
         assert_eq!(Designation::read("6205/C3").unwrap().clearance_group(), Some(ClearanceGroup::C3));
+        assert!(Designation::read("HC7008C").unwrap().is_hybrid() && !Designation::read("7008C").unwrap().is_hybrid());
         for bearing in catalogue::bearings() {
             assert_eq!(read(bearing.designation), (bearing.designation, vec![]));
             assert_eq!(read(&format!("{}-ZZ", bearing.designation)), (bearing.designation, vec!["ZZ"]));

@@ -63,7 +63,10 @@ pub fn named(name: &str) -> Result<NamedBearing, UnknownDesignation> {
         (Some(preset), designation) => Ok(NamedBearing { preset, designation: designation.ok() }),
         (None, Ok(designation)) => {
             let of_catalogue = designation.bearing;
-            let preset = bearing(of_catalogue.designation).unwrap_or_else(|| of_designation(of_catalogue));
+            let mut preset = bearing(of_catalogue.designation).unwrap_or_else(|| of_designation(of_catalogue));
+            if designation.is_hybrid() {
+                preset.defaults.ball_material = SILICON_NITRIDE;
+            }
             Ok(NamedBearing { preset, designation: Some(designation) })
         }
         (None, Err(unknown)) => Err(unknown),
@@ -136,6 +139,8 @@ pub const SURFACES: [SurfacePreset; 3] = [
     },
 ];
 
+const SILICON_NITRIDE: Material = Material { elastic_modulus: 310e9, poisson_ratio: 0.26, density: 3240.0 };
+
 /// Materials, the usual one of balls and raceways first.
 pub const MATERIALS: [MaterialPreset; 4] = [
     MaterialPreset { name: "gcr15", description: "bearing steel GCr15; the article's Table 2", material: GCR15 },
@@ -148,7 +153,7 @@ pub const MATERIALS: [MaterialPreset; 4] = [
     MaterialPreset {
         name: "si3n4",
         description: "silicon nitride of hybrid bearings; usual data-sheet values",
-        material: Material { elastic_modulus: 310e9, poisson_ratio: 0.26, density: 3240.0 },
+        material: SILICON_NITRIDE,
     },
 ];
 
