@@ -132,6 +132,8 @@ pub enum ApiError {
     ForeignHost(String),
     /// A limit of simultaneous requests is reached.
     Overloaded,
+    /// A preview waited too long for its place.
+    PreviewsBusy,
     Job(JobError),
     /// The service does not accept jobs now.
     NotReady(JobError),
@@ -270,6 +272,10 @@ impl ApiError {
                 let detail = "a limit of simultaneous requests is reached; try again".into();
                 of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
             }
+            Self::PreviewsBusy => {
+                let detail = "other previews still run; try again, or submit a job".into();
+                of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
+            }
             Self::Job(error) => of_job(error),
             Self::NotReady(error) => {
                 let detail = match error {
@@ -299,7 +305,7 @@ impl ApiError {
             Self::Job(JobError::QueueFull { .. } | JobError::PointsFull { .. }) => {
                 drop(set(RETRY_AFTER, QUEUE_RETRY_S))
             }
-            Self::Overloaded => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
+            Self::Overloaded | Self::PreviewsBusy => drop(set(RETRY_AFTER, OVERLOAD_RETRY_S)),
             Self::Job(JobError::Stopping | JobError::DiskFull) => drop(set(RETRY_AFTER, QUEUE_RETRY_S)),
             Self::Job(away) if away.is_away() => drop(set(RETRY_AFTER, DATABASE_RETRY_S)),
             Self::Job(JobError::NotReady(_)) => drop(set(RETRY_AFTER, RESULT_RETRY_S)),

@@ -52,16 +52,16 @@ pub struct PreviewAnswer {
 )]
 pub async fn run(
     State(app): State<App>,
-    Owner(owner): Owner,
+    owner: Owner,
     headers: HeaderMap,
     permit: RequestPermit,
     _: Query<NoQuery>,
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    let uploads = app.jobs.named_series(&owner, &body).await?;
+    let uploads = app.jobs.named_series(&owner.0, &body).await?;
     let simulation = checked(computed(&permit, move |_| parse_job_with(&body, &uploads)).await??)?;
-    let place = app.previews.place().await?;
+    let place = app.previews.place(&owner).await?;
     let unwanted = CancellationToken::new();
     let _cancels = unwanted.clone().drop_guard();
     let ran = app.previews.threads.run(move || {
