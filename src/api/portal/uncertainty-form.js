@@ -18,8 +18,8 @@ const DEVIATION = 0.05;
 /** Digits of a value as it opens. */
 const DIGITS = 4;
 
-/** Numbers of a distribution: label, and the value as it opens from the value of the scene and a deviation from it. */
-const NUMBERS = {
+/** Fields of a distribution: label, and of a number its value as it opens, from the value of the scene and a deviation from it. */
+const FIELDS = {
   mean: ['Mean', (value) => value],
   standard_deviation: ['Standard deviation', (value, deviation) => deviation],
   from: ['From', (value, deviation) => value - deviation],
@@ -28,18 +28,19 @@ const NUMBERS = {
   nominal: ['Nominal', (value) => value],
   plus: ['Plus', (value, deviation) => deviation],
   minus: ['Minus', (value, deviation) => deviation],
+  group: ['Group'],
 };
-/** Numbers that each distribution takes. */
+/** Fields that each distribution takes. */
 const DISTRIBUTIONS = {
   normal: ['mean', 'standard_deviation', 'from', 'to'],
   uniform: ['from', 'to'],
   triangular: ['from', 'mode', 'to'],
   lognormal: ['mean', 'standard_deviation'],
   tolerance: ['nominal', 'plus', 'minus'],
-  clearance_group: [],
+  clearance_group: ['group'],
 };
-/** Whether a number may be absent: a normal distribution is cut only where it has limits. */
-const isOptional = (type, name) => type === 'normal' && ['from', 'to'].includes(name);
+/** Whether a normal distribution is cut at this number; it need not be cut. */
+const isCut = (type, name) => type === 'normal' && ['from', 'to'].includes(name);
 
 class UncertainInput extends VariedField {
   constructor({ remove, ...settings }) {
@@ -53,11 +54,12 @@ class UncertainInput extends VariedField {
       },
     });
     this.distribution = select([], () => this.reset());
-    this.numbers = h('span', { class: 'tools' });
+    this.controls = {};
+    this.fields = h('span', { class: 'tools' });
     this.legend = h('legend', {});
     this.removal = small('Remove', () => remove(this));
     const kind = labelled('Distribution', this.distribution);
-    this.element = h('fieldset', { class: 'item' }, this.legend, tools(this.choice, kind, this.numbers, this.removal));
+    this.element = h('fieldset', { class: 'item' }, this.legend, tools(this.choice, kind, this.fields, this.removal));
     this.#offer();
     this.reset();
   }
@@ -88,33 +90,33 @@ class UncertainInput extends VariedField {
     const [from, to] = range;
     const middle = typeof value === 'number' ? value : (from + to) / 2;
     const control = (name) => {
-      const start = Math.max(NUMBERS[name][1](middle, DEVIATION * (to - from)), schema.minimum ?? -Infinity);
-      const text = isOptional(type, name) ? { placeholder: 'not cut' } : { value: Number(start.toPrecision(DIGITS)) };
+      if (name === 'group') return this.#group();
+      const start = Math.max(FIELDS[name][1](middle, DEVIATION * (to - from)), schema.minimum ?? -Infinity);
+      const text = isCut(type, name) ? { placeholder: 'not cut' } : { value: Number(start.toPrecision(DIGITS)) };
       return h('input', { type: 'text', inputmode: 'decimal', class: 'short', autocomplete: 'off', ...text });
     };
     this.controls = Object.fromEntries(DISTRIBUTIONS[type].map((name) => [name, control(name)]));
-    const shown = Object.entries(this.controls).map(([name, input]) => labelled(NUMBERS[name][0], input));
-    this.numbers.replaceChildren(...(type === 'clearance_group' ? [this.#group()] : [...shown, this.spec.unit]));
+    const shown = Object.entries(this.controls).map(([name, one]) => labelled(FIELDS[name][0], one));
+    this.fields.replaceChildren(...shown, type === 'clearance_group' ? '' : this.spec.unit);
   }
 
   /** The choice of a clearance group; at first that of the scene, else the ordinary one. */
   #group() {
-    const names = this.document.components.schemas.ClearanceGroupName.enum;
-    this.group = select(names.map((name) => [name, name]));
-    this.group.value = read(this.resolved(), '/derived/clearance/group') ?? 'CN';
-    return labelled('Group', this.group);
+    const group = select(this.document.components.schemas.ClearanceGroupName.enum.map((name) => [name, name]));
+    group.value = read(this.resolved(), '/derived/clearance/group') ?? 'CN';
+    return group;
   }
 
   /** The input of a request. */
   get value() {
-    const type = this.distribution.value;
-    if (type === 'clearance_group') return { path: this.path, distribution: { type, group: this.group.value } };
-    const number = ([name, { value: text }]) => {
+    const entry = ([name, { value: text }]) => {
+      if (name === 'group') return [name, text];
       const { value, error } = readNumber(text);
-      if (error) throw new Error(`${this.place}, ${NUMBERS[name][0].toLowerCase()}: ${error}`);
+      if (error) throw new Error(`${this.place}, ${FIELDS[name][0].toLowerCase()}: ${error}`);
       return [name, value];
     };
-    return { path: this.path, distribution: { type, ...Object.fromEntries(Object.entries(this.controls).map(number)) } };
+    const fields = Object.fromEntries(Object.entries(this.controls).map(entry));
+    return { path: this.path, distribution: { type: this.distribution.value, ...fields } };
   }
 }
 
