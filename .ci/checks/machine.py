@@ -105,5 +105,19 @@ def case_growing_whirl(running):
     verdict(ended["status"] == "failed" and "rotating_share" in detail, f"whirl that damping drives: {ended['status']}, {detail}")
 
 
+def case_open_side(running):
+    def thrust(facing):
+        """Thrusts over open sides by name, of two bearings of which the second has a spring; the first one faces this way."""
+        seat = {"seat": "sliding", "spring_force_n": 200, "spring_n_per_um": 1}
+        bearings = [{"name": "A", "bearing": "7008C", "at_mm": 60, "faces": facing},
+                    {"name": "B", "bearing": "7008C", "at_mm": 240, "faces": "-x", "outer_ring": seat}]
+        pair = {"shaft": {"sections": [{"length_mm": 300, "outer_diameter_mm": 40}], "axial": "free"},
+                "bearings": bearings, "operation": {"speed_rpm": 3000, "radial_load_y_n": 50}}
+        run = result(running, job(duration=0.01, settle=0.01, scene=pair, step_us=5.5), "machine")
+        return {one["values"]["bearing"]: one["values"]["thrust_n"] for one in run["messages"] if one["code"] == "open-side"}
+
+    verdict(thrust("-x") == {"A": 200} and thrust("+x") == {}, f"200 N over the open side of a bearing are told: {thrust('-x')}")
+
+
 if __name__ == "__main__":
     run_cases(globals())

@@ -19,6 +19,8 @@ pub enum MachineWarning {
     PartlyVerified { window: f64, change: LaterChange, step: f64 },
     /// The largest pressure in a bearing [Pa] deforms its raceways permanently.
     Overloaded { bearing: usize, load: f64, pressure: f64 },
+    /// The shaft presses an angular-contact bearing with a force [N] against its open side, where the model has a groove.
+    OpenSide { bearing: usize, load: f64 },
     /// A limit of what the run can say about the surfaces of a bearing.
     Surface { bearing: usize, warning: Warning },
     /// Longer steps were tried and rejected.

@@ -6,6 +6,7 @@ use super::equations::MachineDynamics;
 use super::input::Machine;
 use super::result::{BearingMetrics, MachineResult, SignalMetrics};
 use super::stepping::stiffness_of_step;
+use crate::physics::bearing::BearingKind;
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
 use crate::simulation::solve::startup::SETTLED_EFOLDS;
@@ -40,7 +41,25 @@ pub(super) fn warnings(
     let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
     let bearings = result.bearings.iter().enumerate();
     let overloaded = bearings.filter_map(|(index, metrics)| overloaded(dynamics, index, metrics));
-    of_steps.chain(start).chain(trends).chain(overloaded).chain(of_surfaces(dynamics)).collect()
+    of_steps
+        .chain(start)
+        .chain(trends)
+        .chain(overloaded)
+        .chain(open_sides(machine, dynamics))
+        .chain(of_surfaces(dynamics))
+        .collect()
+}
+
+/// Angular-contact bearings that carry thrust at the operating point in the direction in which real ones come apart.
+fn open_sides<'a>(machine: &'a Machine, dynamics: &'a MachineDynamics) -> impl Iterator<Item = MachineWarning> + 'a {
+    let rings = &dynamics.frame.system.operating[0].rings;
+    let bearings = machine.bearings.iter().zip(rings).enumerate();
+    bearings.filter_map(|(bearing, (of, ring))| {
+        // In the bearing's own axes, in which the balls push a ring that carries thrust along −X.
+        let load = ring.wrench[0];
+        let is_open = of.scene.bearing.parameters.kind == BearingKind::AngularContact;
+        (is_open && load > 0.0).then_some(MachineWarning::OpenSide { bearing, load })
+    })
 }
 
 fn of_surfaces(dynamics: &MachineDynamics) -> impl Iterator<Item = MachineWarning> + '_ {

@@ -49,6 +49,16 @@ pub(crate) fn amplitude_spectrum(signal: &[f64], rate: f64) -> Spectrum {
     amplitudes(&bins_about_mean(signal), n, rate)
 }
 
+/// [`amplitude_spectrum`] of a signal that is not empty and may hold a part of a period only, of which the mean is no constant: the mean under
+/// the window is removed instead.
+pub(crate) fn amplitude_spectrum_of_part(signal: &[f64], rate: f64) -> Spectrum {
+    let mut bins = bins_about_mean(signal);
+    if let [constant, first, ..] = bins.as_mut_slice() {
+        *constant = first.re.into();
+    }
+    amplitudes(&bins, signal.len(), rate)
+}
+
 /// Fourier transform of a signal that is not empty, less its mean.
 fn bins_about_mean(signal: &[f64]) -> Vec<Complex64> {
     let mean = mean(signal);
@@ -306,6 +316,15 @@ mod tests {
 
     fn strongest(spectrum: &Spectrum) -> usize {
         (0..spectrum.amplitude.len()).max_by(|&a, &b| spectrum.amplitude[a].total_cmp(&spectrum.amplitude[b])).unwrap()
+    }
+
+    /// Of 3.5 periods the mean is no constant: neither the first entry nor the second show one.
+    #[test]
+    fn part_of_a_period_has_no_constant() {
+        let signal = tone(1000, 3.5 * RATE / 1000.0, 1.0, 0.0);
+        let [whole, part] = [amplitude_spectrum, amplitude_spectrum_of_part].map(|of| of(&signal, RATE).amplitude);
+        assert!(whole[0] > 0.08 && part[0] < 1e-12 && part[1] < 0.04, "{} {} {}", whole[0], part[0], part[1]);
+        assert_eq!(whole[2..], part[2..]);
     }
 
     #[test]

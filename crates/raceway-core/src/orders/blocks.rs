@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::rotations::Rotations;
 use super::settings::{OrderSettings, Reference, hop};
-use crate::numerics::spectrum::{Spectrum, amplitude_spectrum};
+use crate::numerics::spectrum::{Spectrum, amplitude_spectrum_of_part};
 
 /// Time and shaft speed of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,7 @@ impl BlockSpectra {
         if self.values.len() < self.length {
             return None;
         }
-        let spectrum = amplitude_spectrum(self.values.make_contiguous(), self.rate);
+        let spectrum = amplitude_spectrum_of_part(self.values.make_contiguous(), self.rate);
         self.values.drain(..self.hop);
         Some(spectrum)
     }

@@ -79,6 +79,9 @@ pub enum Severity {
 ///
 /// `overloaded`: A pressure of a machine's bearing deforms its raceway permanently, which the elastic model does not show. Reduce the load.
 ///
+/// `open-side`: An angular-contact bearing of a machine carries thrust over its open side, where real rings come apart. Turn it round, or raise the
+/// preload.
+///
 /// `failed-samples`: More than 5 % of the sampled points have no value of the metric. Percentiles may leave out the worst of them.
 ///
 /// `spread-not-resolved`: The integration error exceeds half of the spread. Tighten the tolerance or increase `duration_s`.
@@ -116,6 +119,7 @@ pub enum MessageCode {
     TrackOffEquator,
     MergedCageLines,
     Overloaded,
+    OpenSide,
     FailedSamples,
     SpreadNotResolved,
     RankingNotResolved,

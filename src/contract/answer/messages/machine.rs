@@ -103,6 +103,15 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             ];
             (MessageCode::Overloaded, text, values)
         }
+        MachineWarning::OpenSide { bearing, load } => {
+            let name = &machine.bearings[*bearing].name;
+            let load_n = significant(*load, 3);
+            let text = format!(
+                "Bearing {name} carries {load_n} N over its open side, where real rings come apart; the groove of the model has no end. Turn \
+                 it round by `faces`, raise the preload, or reduce the thrust."
+            );
+            (MessageCode::OpenSide, text, vec![("bearing", json!(name)), ("thrust_n", json!(load_n))])
+        }
         MachineWarning::Surface { bearing, warning } => return of_surface(&machine.bearings[*bearing].name, warning),
         MachineWarning::ModelNotConfirmed(deviation) => {
             let allowed_db = significant(deviation.allowed_db, 6);
