@@ -3,8 +3,8 @@
 
 Usage: python3 benches/modes/cost.py --binary BINARY [--csv FILE]
 
-All bearings are a 6205, at 6000 r/min under 500 N: on `full` in steps of 5.5 µs, on `radially_condensed` and `spindle_only` in steps of 11 µs. A step is one evaluation of every bearing, with recording. What a run needs before its first step is left out, and so are repetitions: the
-difference of records of 0.2 and 0.1 s, both repeated over 0.1 s. Instructions are counted, because processor time of the same run may scatter by
+All bearings are a 6205, at 6000 r/min under 500 N: on `full` in steps of 5.5 µs, on `radially_condensed` and `spindle_only` in steps of 11 µs. A step is one
+evaluation of every bearing, with recording. What a run needs before its first step is left out, and so are repetitions: the difference of records of 0.2 and 0.1 s, both repeated over 0.1 s. Instructions are counted, because processor time of the same run may scatter by
 half. A run with AVX-512 takes fewer than this count, which is that of AVX2. Beside the cost stands the largest deviation of a level from `full`.
 
 Needs valgrind, and a quarter of an hour.

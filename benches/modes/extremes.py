@@ -11,7 +11,6 @@ Each machine runs as sent, then again with a quarter of its step and modes up to
   failed      the run ends with a cause
   WRONG       none of these
 
-Natural frequencies that were followed through a crossing are compared with those at each speed alone.
 Only the standard library is needed. Takes some ten minutes.
 """
 
@@ -63,7 +62,7 @@ def on_body(mass):
     return changed(BAR, housing=housing, bearings__0__outer_ring=ring, bearings__1__outer_ring=ring)
 
 
-SHOCK = {"on": "head", "at_mm": 150, "direction": "y", "shock": {"peak_n": 490.0, "at_s": 0.31, "duration_s": 0.001}}
+SHOCK = {"at_mm": 150, "direction": "y", "shock": {"peak_n": 490.0, "at_s": 0.31, "duration_s": 0.001}}
 EIGHT = [{"name": "ABCDEFGH"[k], "bearing": "6205", "at_mm": at, "faces": "-x" if k % 2 else "+x"}
          for k, at in enumerate((15, 45, 75, 105, 195, 225, 255, 285))]
 SCENES = {
@@ -76,14 +75,19 @@ SCENES = {
         operation__radial_load_y_n=0),
     "bore of 0.98 of the diameter": changed(BAR, shaft__sections__0__inner_diameter_mm=24.5),
     "rotating damping above its threshold": changed(
-        BAR, shaft__damping_ratio=0.1, shaft__rotating_share=1, operation__speed_rpm=60000),
+        BAR, shaft__damping_ratio=0.05, shaft__rotating_share=1, operation__speed_rpm=60000, operation__radial_load_y_n=100,
+        preloads=[{"between": ["A", "B"], "force_n": 200}]),
     "rigid preload of 20 N at 30 000 r/min": changed(SPINDLE, preloads=[{"between": ["A", "B"], "force_n": 20}]),
     "500 000 r/min": changed(BAR, operation__speed_rpm=500000),
     "no rotation": changed(BAR, operation__speed_rpm=0),
     "eight bearings": changed(BAR, bearings=EIGHT),
-    "shock of 100 g on a body of 0.5 kg": changed(on_body(0.5), operation__loads=[SHOCK]),
+    "shock of 490 N on a shaft in a body of 0.5 kg": changed(on_body(0.5), operation__loads=[SHOCK]),
     "unbalance of 2 kg mm": changed(BAR, shaft__unbalances__0__unbalance_g_mm=2000),
 }
+
+
+# Shortest step of a request.
+SHORTEST_US = 0.1
 
 
 def run(binary, scene, **fields):
@@ -107,7 +111,7 @@ def judged(binary, scene):
         return [verdict if cause else "WRONG", "", "", "", f"{took:.1f}", cause]
     model = answer["model"]
     stated = answer["accuracy"]["level_errors_db"]
-    status, finer, _ = run(binary, scene, step_us=float(f"{model['step_us'] / 4:.4g}"), mode_range=3)
+    status, finer, _ = run(binary, scene, step_us=max(SHORTEST_US, float(f"{model['step_us'] / 4:.4g}")), mode_range=3)
     if status:
         return ["WRONG", "", "", f"{model['step_us']:.3g}", f"{took:.1f}", "the reference: " + finer.get("detail", "")]
     level = lambda of, name: of["channels"][name]["level_db"]
@@ -117,20 +121,6 @@ def judged(binary, scene):
     resolved = all(off[name] <= 3 * (stated[name] or 0.0) + 0.01 for name in stated)
     verdict = "confirmed" if resolved else "warning" if {"uncertain", "not-stationary", "start-transient"} & set(warnings) else "WRONG"
     return [verdict, f"{off[worst]:.3g}", f"{stated[worst]:.3g}", f"{model['step_us']:.3g}", f"{took:.1f}", ", ".join(warnings)]
-
-
-def crossing(binary):
-    """Largest relative difference of frequencies that were followed over speed from those at one speed."""
-    scene = changed(BAR, housing=HEAD, bearings__0__outer_ring={"seat": "rigid", "on": "head"},
-                    bearings__1__outer_ring={"seat": "rigid", "on": "head"})
-    speeds = [600.0 * k for k in range(51)]
-
-    def frequencies(of):
-        job = {"kind": "rotor", "scene": changed(scene, operation={"radial_load_y_n": 500, "speed_rpm": of[0]}), "speeds_rpm": of}
-        done = subprocess.run([binary, "simulate", "-", "--quiet"], input=json.dumps(job), text=True, capture_output=True, check=True)
-        return json.loads(done.stdout)
-
-    return frequencies, speeds
 
 
 def main():

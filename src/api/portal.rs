@@ -35,7 +35,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 49] = files! {
+static FILES: [File; 51] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -80,6 +80,8 @@ static FILES: [File; 49] = files! {
     "study-table.js": SCRIPT,
     "study.js": SCRIPT,
     "surfaces.js": SCRIPT,
+    "uncertainty.js": SCRIPT,
+    "uncertainty-form.js": SCRIPT,
     "varied-axis.js": SCRIPT,
     "views.js": SCRIPT,
     "vendor/uPlot.esm.js": SCRIPT,

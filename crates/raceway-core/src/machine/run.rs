@@ -17,6 +17,7 @@ use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength, stiffness_of_step};
 use super::warnings::{MOST_STIFFNESS, limit_of_step, warnings};
 use crate::numerics::statistics::rms;
+use crate::physics::operation::SpeedProfile;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
 use crate::simulation::input::control::Control;
 use crate::simulation::solve::fixed_step::AXIAL_STEP;
@@ -28,7 +29,7 @@ const SHORTEST: f64 = 2.5e-7;
 const STEPS_PER_LOOK: u64 = 64;
 /// Error of a run over its deviation from half steps: both methods are of order 2 [-].
 const ERROR_OVER_DEVIATION: f64 = 4.0 / 3.0;
-/// Longest time that is repeated in half steps [s], and largest error of a level that needs no shorter step [dB].
+/// Time that is repeated in half steps [s], unless a period is longer, and largest error of a level that needs no shorter step [dB].
 const REPEATED: f64 = 0.1;
 const ALLOWED_DB: f64 = 0.1;
 /// Share of the progress that the first run takes.
@@ -122,7 +123,7 @@ pub(super) struct Run<'a> {
 impl Run<'_> {
     /// The result of this run.
     fn result(&self, settings: &MachineSettings, control: &Control<'_>) -> Result<MachineResult, MachineError> {
-        let confirmed = self.confirmed(settings.step, times(settings), control)?;
+        let confirmed = self.confirmed(settings.step, times(self.machine, settings), control)?;
         Ok(self.evaluated(confirmed, None, settings))
     }
 
@@ -137,22 +138,22 @@ impl Run<'_> {
     ) -> Result<MachineResult, MachineError> {
         let dynamics = self.dynamics.clone().reduced_to(level, self.machine)?;
         let run = Run { dynamics: &dynamics, ..*self };
-        let mut confirmed =
-            control.part((0.0, LEVEL_SHARE), |control| run.confirmed(settings.step, times(settings), control))?;
+        let mut confirmed = control
+            .part((0.0, LEVEL_SHARE), |control| run.confirmed(settings.step, times(self.machine, settings), control))?;
         let of_full = match of_full {
             Some(known) => known,
             None => of_full.insert(
                 control.part((LEVEL_SHARE, 1.0), |control| self.compared(settings, control, &mut confirmed.work))?,
             ),
         };
-        let [_, window] = times(settings);
+        let [_, window] = times(self.machine, settings);
         let model = ModelErrors { window, levels: level_deviations(&confirmed.recording, of_full) };
         Ok(run.evaluated(confirmed, Some(model), settings))
     }
 
     fn evaluated(&self, confirmed: Confirmed, model: Option<ModelErrors>, settings: &MachineSettings) -> MachineResult {
         let Confirmed { recording, errors, step, last, rejections, work, .. } = confirmed;
-        let [_, window] = times(settings);
+        let [_, window] = times(self.machine, settings);
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations, model };
         let mut result = MachineResult::of(self.machine, self.dynamics, recording, settings, accuracy);
         result.warnings = warnings(self.machine, self.dynamics, &result, (ALLOWED_DB, last));
@@ -204,7 +205,7 @@ impl Run<'_> {
         work: &mut Work,
     ) -> Result<MachineRecording, MachineError> {
         let step = StepLength { longest: first_step(self.dynamics), share: 1.0 };
-        let [_, window] = times(settings);
+        let [_, window] = times(self.machine, settings);
         self.record(window, step, control, work).map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
     }
 
@@ -311,8 +312,16 @@ impl Run<'_> {
 }
 
 /// Recorded time, and the part of it that is repeated [s].
-fn times(settings: &MachineSettings) -> [f64; 2] {
-    [settings.duration, settings.duration.min(REPEATED)]
+fn times(machine: &Machine, settings: &MachineSettings) -> [f64; 2] {
+    [settings.duration, settings.duration.min(REPEATED.max(slowest_period(machine)))]
+}
+
+/// Longest period of the loads that repeat, and of a turn of the rings [s]: a shorter time shows a part of the motion only.
+fn slowest_period(machine: &Machine) -> f64 {
+    let [inner, outer] = [&machine.speed, &machine.outer_speed].map(SpeedProfile::largest);
+    let loads = machine.rotor.loads.iter().filter_map(|placed| placed.load.harmonic());
+    let frequencies = loads.map(|load| load.frequency(inner)).chain([inner / TAU, outer / TAU]);
+    frequencies.filter(|frequency| *frequency > 0.0).map(f64::recip).fold(0.0, f64::max)
 }
 
 /// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times against their outer rings [s]. The run starts near its

@@ -27,7 +27,7 @@ const MOST_ELEMENTS: usize = 800;
 const RANGE: f64 = 3.0;
 const MORE_MODES: usize = 2;
 
-/// Analyses a rotor. `stop` is polled for each mesh and each speed; true ends the analysis.
+/// Analyses a rotor. `stop` is polled between decompositions; true ends the analysis.
 pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<RotorResult, RotorError> {
     let (operating_system, count) = system(rotor, request, stop)?;
     let mesh = operating_system.coordinates.mesh.clone();
@@ -44,7 +44,9 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
             .map(|(oscillation, speed)| Some(point(oscillation.as_ref()?, coordinates, *speed)))
             .collect(),
     };
+    check(stop)?;
     let operating = operating_system.oscillations(rotor.speed)?;
+    check(stop)?;
     let highest = request.speeds.last().copied().unwrap_or_default();
     let criticals = criticals(&system, &request.speeds, &courses, highest).into_iter().map(|(speed, oscillation)| {
         let response = of_unbalance(&system, &rotor.unbalances, speed);
@@ -52,8 +54,11 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         let displacement = rotor.places().into_iter().map(at).collect();
         Critical { speed, mode: mode(&oscillation, coordinates, speed), displacement }
     });
-    let responses: Vec<DVector<Complex<f64>>> =
-        request.speeds.iter().map(|speed| of_unbalance(&system, &rotor.unbalances, *speed)).collect();
+    let responses = request.speeds.iter().map(|speed| {
+        check(stop)?;
+        Ok(of_unbalance(&system, &rotor.unbalances, *speed))
+    });
+    let responses: Vec<DVector<Complex<f64>>> = responses.collect::<Result<_, RotorError>>()?;
     let rest = deflection(&operating_system, rotor)?;
     let whole = displacements(&rest.map(Complex::from), coordinates);
     let forces = forces([&operating_system, &system], rotor, &rest, &request.speeds, &responses);
@@ -76,6 +81,10 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
     })
 }
 
+fn check(stop: &dyn Fn() -> bool) -> Result<(), RotorError> {
+    if stop() { Err(RotorError::Stopped) } else { Ok(()) }
+}
+
 /// Matrices about the operating point on a mesh that the asked-for frequencies no longer depend on, and the number of flexible modes in
 /// each plane.
 fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(System, usize), RotorError> {
@@ -83,13 +92,10 @@ fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(
         Elements::Sections => f64::INFINITY,
         Elements::Auto => rotor.shaft.length() / FIRST_ELEMENTS,
     };
-    let (mut system, mut frequencies, mut count) = on_mesh(rotor, longest, request.modes)?;
+    let (mut system, mut frequencies, mut count) = on_mesh(rotor, longest, request.modes, stop)?;
     while request.elements == Elements::Auto && 2 * system.coordinates.mesh.elements.len() <= MOST_ELEMENTS {
-        if stop() {
-            return Err(RotorError::Stopped);
-        }
         longest /= 2.0;
-        let (finer, of_finer, of_count) = on_mesh(rotor, longest, request.modes)?;
+        let (finer, of_finer, of_count) = on_mesh(rotor, longest, request.modes, stop)?;
         let is_close = |(coarse, fine): (&f64, &f64)| (coarse - fine).abs() < CONVERGED * fine;
         let has_converged = frequencies.len() == of_finer.len() && frequencies.iter().zip(&of_finer).all(is_close);
         (system, frequencies, count) = (finer, of_finer, of_count);
@@ -102,12 +108,19 @@ fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(
 
 /// Matrices on a mesh with enough free modes, the asked-for angular frequencies without gyroscopic moments [rad/s], and the number of
 /// flexible modes in each plane.
-fn on_mesh(rotor: &Rotor, longest: f64, modes: usize) -> Result<(System, Vec<f64>, usize), RotorError> {
+fn on_mesh(
+    rotor: &Rotor,
+    longest: f64,
+    modes: usize,
+    stop: &dyn Fn() -> bool,
+) -> Result<(System, Vec<f64>, usize), RotorError> {
     let mesh = Mesh::new(&rotor.shaft, &rotor.places(), longest);
     let mut count = modes.div_ceil(2) + MORE_MODES;
     let mut coordinates = 0;
     loop {
+        check(stop)?;
         let system = System::of(rotor, mesh.clone(), count, &[rotor.speed])?;
+        check(stop)?;
         let oscillations = system.oscillations(0.0)?;
         let frequencies: Vec<f64> = oscillations.iter().take(modes).map(|oscillation| oscillation.value.im).collect();
         let highest = frequencies.last().copied().unwrap_or_default();

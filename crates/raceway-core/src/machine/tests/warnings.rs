@@ -5,7 +5,7 @@ use crate::machine::codes::{LaterChange, MachineWarning, StepCause, StepLimit};
 use crate::machine::input::{Loss, MachineError, StepsOfLoss};
 use crate::machine::result::MachineResult;
 use crate::physics::frame::support::{Support, diagonal};
-use crate::physics::loads::{Load, LoadCourse, LoadDirection, Shock};
+use crate::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, Shock};
 use crate::rotor::input::PlacedLoad;
 use crate::simulation::model::state::SpindleState;
 
@@ -49,6 +49,16 @@ fn a_shock_after_the_verified_time_is_named() {
         );
         assert!(!found.iter().any(|warning| matches!(warning, MachineWarning::Overloaded { .. })), "{found:?}");
     }
+}
+
+/// The repeated time covers a period of the slowest load.
+#[test]
+fn a_slow_load_is_verified_over_its_period() {
+    let mut machine = motor_spindle();
+    let slow = Harmonic { amplitude: 20.0, rate: LoadRate::Frequency(8.0), phase: 0.0 };
+    machine.rotor.loads = vec![in_the_middle(LoadCourse::Harmonic(slow))];
+    let result = run(&machine, &settings(0.02, 0.15, Some(5.5e-6)));
+    assert_eq!(result.accuracy.window, 0.125);
 }
 
 /// A dashpot far above the critical damping of the shaft needs short steps: the rejected ones name it.
