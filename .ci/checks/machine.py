@@ -114,7 +114,7 @@ def case_open_side(running):
         pair = {"shaft": {"sections": [{"length_mm": 300, "outer_diameter_mm": 40}], "axial": "free"},
                 "bearings": bearings, "operation": {"speed_rpm": 3000, "radial_load_y_n": 50}}
         run = result(running, job(duration=0.01, settle=0.01, scene=pair, step_us=5.5), "machine")
-        return {one["values"]["bearing"]: one["values"]["thrust_n"] for one in run["messages"] if one["code"] == "open-side"}
+        return {one["bearing"]: one["thrust_n"] for one in run["messages"] if one["code"] == "open-side"}
 
     verdict(thrust("-x") == {"A": 200} and thrust("+x") == {}, f"200 N over the open side of a bearing are told: {thrust('-x')}")
 

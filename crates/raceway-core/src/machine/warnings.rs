@@ -52,7 +52,8 @@ pub(super) fn warnings(
 
 /// Angular-contact bearings that carry thrust at the operating point in the direction in which real ones come apart.
 fn open_sides<'a>(machine: &'a Machine, dynamics: &'a MachineDynamics) -> impl Iterator<Item = MachineWarning> + 'a {
-    let rings = &dynamics.frame.system.operating[0].rings;
+    // Without bearings there is no operating point.
+    let rings = dynamics.frame.system.operating.first().into_iter().flat_map(|point| &point.rings);
     let bearings = machine.bearings.iter().zip(rings).enumerate();
     bearings.filter_map(|(bearing, (of, ring))| {
         // In the bearing's own axes, in which the balls push a ring that carries thrust along −X.
