@@ -1,4 +1,4 @@
-//! Where previews run: not among the jobs, and only when nobody else wants the processor.
+//! Threads and places of previews. They take no job place, and they run while no job wants the processor.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
