@@ -61,7 +61,7 @@ impl Equilibrium<'_> {
             self.rotor.bearings.iter().enumerate().zip(self.potential.rings(&place))
         {
             check_pose(index, bearing, &pose)?;
-            let is_in_reach = bearing.mounted.bearing.check_depth(&pose, self.speed, balls);
+            let is_in_reach = bearing.mounted.bearing.check_depth(&pose, balls);
             is_in_reach.map_err(|source| NoEquilibrium::Bearing { bearing: index + 1, source })?;
         }
         check_residual(slopes.residual(), force)?;

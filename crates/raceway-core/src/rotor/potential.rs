@@ -154,10 +154,15 @@ impl Potential for RotorPotential<'_> {
         Some(step)
     }
 
-    /// Damping that turns along, and supports given by a matrix, have stiffness without a potential.
+    /// Damping that turns along, and supports given by a matrix, have stiffness without a potential. So have rolling balls.
     fn follows(&self, from: &[f64], to: &[f64]) -> f64 {
+        let rings = self.bearings.iter().zip(self.rings(from).zip(self.rings(to)));
+        let of_balls = rings.map(|(bearing, (from, to))| {
+            bearing.mounted.bearing.follows(self.speed, [(&from.0, from.1), (&to.0, to.1)])
+        });
+        let of_balls: f64 = of_balls.sum();
         let (from, to) = (self.lengths(from), self.lengths(to));
         let turning = &self.stiffness * &from - self.stiffness.tr_mul(&from);
-        0.5 * turning.dot(&(to - from))
+        of_balls + 0.5 * turning.dot(&(to - from))
     }
 }

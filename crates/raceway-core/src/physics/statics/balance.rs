@@ -1,6 +1,7 @@
-//! Balance of balls, rings and shaft: the minimum of their potential over the balls of all bearings and a border of common freedoms.
+//! Balance of balls, rings and shaft: the minimum of their potential over the balls of all bearings and a border of common freedoms. Forces of
+//! rolling balls take part without a potential.
 
-use super::ball::{Axis, BallSlopes, FREEDOMS, OF_BALL, Pose, RingBearing};
+use super::ball::{Axis, BallSlopes, FREEDOMS, OF_BALL, Placed, Pose, RingBearing};
 use crate::numerics::bordered::Bordered;
 use crate::numerics::minimum::{Potential, Search, Slopes};
 
@@ -73,41 +74,59 @@ impl Link<'_> {
     }
 }
 
-/// Potentials of all balls of a bearing at a pose of its inner ring.
-pub(super) fn slopes_of_balls<'a>(
+/// All balls of a bearing at their places and a pose of its inner ring, with the potential of their contacts.
+pub(super) fn balls_of<'a>(
     bearing: &'a RingBearing,
     pose: &'a Pose,
-    speed: f64,
     balls: impl Iterator<Item = [f64; OF_BALL]> + 'a,
-) -> impl Iterator<Item = BallSlopes> + 'a {
-    let (axis, centrifugal) = (Axis::new(pose), bearing.centrifugal(speed));
-    balls.enumerate().map(move |(index, place)| bearing.ball(bearing.azimuth(index), &axis, pose, place, centrifugal))
+) -> impl Iterator<Item = (Placed, BallSlopes)> + 'a {
+    let axis = Axis::new(pose);
+    balls.enumerate().map(move |(index, place)| {
+        let ball = bearing.placed(bearing.azimuth(index), &axis, pose, place);
+        let slopes = bearing.contacts(&ball);
+        (ball, slopes)
+    })
 }
 
 impl RingBearing {
-    /// Potential of the balls, with its slopes by their places and by the pose of the inner ring. `places`: of each ball at each place.
+    /// Potential of the contacts, with its slopes by the places of the balls and by the pose of the inner ring. The gradient holds the forces of
+    /// rolling, too; the second derivatives do not. `places`: of each ball at each place.
     pub(crate) fn slopes(&self, pose: &Pose, speed: f64, places: &[f64]) -> Slopes<Bordered<FREEDOMS>> {
         let (mut value, share) = (0.0, self.share());
         let mut gradient = vec![0.0; places.len() + FREEDOMS];
         let (of_balls, of_ring) = gradient.split_at_mut(places.len());
         let mut hessian = Bordered::zeros(self.entries(), FREEDOMS);
-        let balls = slopes_of_balls(self, pose, speed, places.as_chunks().0.iter().copied());
-        for ((ball, block), slope) in balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut().0) {
+        let (balls, speeds) = (balls_of(self, pose, places.as_chunks().0.iter().copied()), self.speeds(speed));
+        for (((placed, ball), block), slope) in balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut::<OF_BALL>().0) {
             value += share * ball.energy;
-            *slope = [share * ball.gradient[0], share * ball.gradient[1]];
+            let rolling = self.rolling_forces(&placed, speeds);
+            *slope = std::array::from_fn(|k| share * (ball.gradient[k] - rolling[k]));
             block.diagonal = [share * ball.hessian[0][0], share * ball.hessian[1][1]];
             block.between = share * ball.hessian[1][0];
             for k in 0..FREEDOMS {
                 for (column, entries) in block.border.iter_mut().enumerate() {
                     entries[k] = share * ball.hessian[OF_BALL + k][column];
                 }
-                of_ring[k] += share * ball.gradient[OF_BALL + k];
+                of_ring[k] += share * (ball.gradient[OF_BALL + k] - rolling[OF_BALL + k]);
                 for (other, entry) in hessian.border[k][..=k].iter_mut().enumerate() {
                     *entry += share * ball.hessian[OF_BALL + k][OF_BALL + other];
                 }
             }
         }
         Slopes { value, gradient, hessian }
+    }
+
+    /// Work of the forces of rolling on a short way, with the sign changed [J].
+    pub(crate) fn follows(&self, speed: f64, [from, to]: [(&Pose, &[f64]); 2]) -> f64 {
+        let (pose, places) = from;
+        let (balls, speeds) = (balls_of(self, pose, places.as_chunks().0.iter().copied()), self.speeds(speed));
+        let of_ring: [f64; FREEDOMS] = std::array::from_fn(|k| to.0[k] - pose[k]);
+        let ways = places.as_chunks::<OF_BALL>().0.iter().zip(to.1.as_chunks::<OF_BALL>().0);
+        let works = balls.zip(ways).map(|((ball, _), (from, to))| {
+            let ways = from.iter().zip(to).map(|(from, to)| to - from).chain(of_ring);
+            self.rolling_forces(&ball, speeds).iter().zip(ways).map(|(force, way)| force * way).sum::<f64>()
+        });
+        -self.share() * works.sum::<f64>()
     }
 
     /// Places of all balls on the lines between both grooves' centres.
@@ -117,17 +136,17 @@ impl RingBearing {
 
     /// Size of the forces on the balls at these places [N]: of orbits and contacts.
     pub(crate) fn force(&self, pose: &Pose, speed: f64, places: &[f64]) -> f64 {
-        self.centrifugal(speed) * self.pitch_radius + self.largest_load(pose, speed, places)
+        self.rolling.ideal_centrifugal(self.speeds(speed), self.pitch_radius) + self.largest_load(pose, places)
     }
 
-    fn largest_load(&self, pose: &Pose, speed: f64, places: &[f64]) -> f64 {
-        let slopes = slopes_of_balls(self, pose, speed, places.as_chunks().0.iter().copied());
-        slopes.map(|ball| ball.inner.load.max(ball.outer.load)).fold(0.0, f64::max)
+    fn largest_load(&self, pose: &Pose, places: &[f64]) -> f64 {
+        let balls = balls_of(self, pose, places.as_chunks().0.iter().copied());
+        balls.map(|(_, ball)| ball.touch.inner.load.max(ball.touch.outer.load)).fold(0.0, f64::max)
     }
 
     /// Refuses balls that nearly pass through the raceways.
-    pub(crate) fn check_depth(&self, pose: &Pose, speed: f64, places: &[f64]) -> Result<(), NoBalance> {
-        let load = self.largest_load(pose, speed, places);
+    pub(crate) fn check_depth(&self, pose: &Pose, places: &[f64]) -> Result<(), NoBalance> {
+        let load = self.largest_load(pose, places);
         let depth = self.relative_depth(load);
         if depth > MAX_RELATIVE_DEPTH { Err(NoBalance::TooDeep { load, depth }) } else { Ok(()) }
     }
@@ -152,7 +171,7 @@ impl Balance<'_> {
         check_residual(residual, force)?;
         let (border, balls) = self.parts(&place);
         for (link, balls) in self.links.iter().zip(&balls) {
-            link.bearing.check_depth(&link.pose(&border[..self.width]), self.speed, balls.as_flattened())?;
+            link.bearing.check_depth(&link.pose(&border[..self.width]), balls.as_flattened())?;
         }
         let places = self.links.iter().map(|link| link.bearing.places).max().unwrap_or_default();
         Ok(Found { border, balls, least_load: places as f64 * residual.max(search.converged) })
@@ -188,6 +207,17 @@ impl Potential for Balance<'_> {
 
     fn step(&self, slopes: &Slopes<Self::Curvature>, damping: f64) -> Option<Vec<f64>> {
         slopes.bordered_step(damping)
+    }
+
+    fn follows(&self, from: &[f64], to: &[f64]) -> f64 {
+        let (mut first, borders) = (0, [from, to].map(|place| &place[place.len() - self.width..]));
+        let of_link = |link: &Link| {
+            let own = first..first + OF_BALL * link.bearing.entries();
+            first = own.end;
+            let poses = borders.map(|border| link.pose(border));
+            link.bearing.follows(self.speed, [(&poses[0], &from[own.clone()]), (&poses[1], &to[own])])
+        };
+        self.links.iter().map(of_link).sum()
     }
 
     fn slopes(&self, place: &[f64]) -> Slopes<Self::Curvature> {

@@ -4,16 +4,18 @@ use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use crate::physics::bearing::{Bearing, SpindlePlay};
+use super::rolling::Rolling;
+use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::{DampingFactor, normal_slopes};
 use crate::physics::contact::hertz::{HertzContact, raceway_contacts};
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
-use crate::physics::kinematics::{self, RingSpeeds};
+use crate::physics::kinematics::RingSpeeds;
 
 /// Number of freedoms of a ring: x, y, z, β_y, β_z.
 pub(super) const FREEDOMS: usize = 5;
 /// Freedoms of a ball, along the axis and the radius.
 pub(crate) const OF_BALL: usize = 2;
-const UNKNOWNS: usize = OF_BALL + FREEDOMS;
+pub(super) const UNKNOWNS: usize = OF_BALL + FREEDOMS;
 /// Places in a ball spacing that are averaged.
 const PLACES: usize = 8;
 
@@ -35,7 +37,7 @@ pub struct RingBearing {
     pub(super) pitch_radius: f64,
     ball_radius: f64,
     pub(super) ball_mass: f64,
-    orbit_ratio: f64,
+    pub(super) rolling: Rolling,
     /// Speed of the outer ring [rad/s].
     outer_speed: f64,
     axial_play: f64,
@@ -44,7 +46,7 @@ pub struct RingBearing {
 
 /// One raceway.
 #[derive(Debug, Clone)]
-struct Groove {
+pub(super) struct Groove {
     /// 1 for the outer raceway, −1 for the inner one.
     side: f64,
     /// Radius of the circle of the groove's centres [m].
@@ -54,8 +56,20 @@ struct Groove {
     hertz: HertzContact,
 }
 
+/// A ball in a groove.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct InGroove {
+    /// From the groove's centre to the ball's [m].
+    pub(super) distance: f64,
+    penetration: f64,
+    /// [N]
+    pub(super) load: f64,
+    /// Direction from the groove's centre to the ball's, along the axis and the radius.
+    pub(super) direction: (f64, f64),
+}
+
 /// One contact of a ball.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
     /// [N]
     pub(super) load: f64,
@@ -65,7 +79,7 @@ pub(super) struct Touch {
     pub(super) towards: [f64; UNKNOWNS],
 }
 
-/// The potential of a ball and of its contacts with its derivatives by the ball's place and the pose of the inner ring.
+/// The potential of a ball's contacts with its derivatives by the ball's place and the pose of the inner ring.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BallSlopes {
     /// [J]
@@ -73,17 +87,22 @@ pub(super) struct BallSlopes {
     pub(super) gradient: [f64; UNKNOWNS],
     /// Lower triangle.
     pub(super) hessian: [[f64; UNKNOWNS]; UNKNOWNS],
-    pub(super) inner: Touch,
-    pub(super) outer: Touch,
+    pub(super) touch: PerRaceway<Touch>,
 }
 
 /// Axial and radial place of a ball relative to a ring, with derivatives by the unknowns.
-struct Meridian {
-    axial: f64,
-    radius: f64,
-    by: [(f64, f64); UNKNOWNS],
+pub(super) struct Meridian {
+    pub(super) axial: f64,
+    pub(super) radius: f64,
+    pub(super) by: [(f64, f64); UNKNOWNS],
     /// Lower triangle of second derivatives.
-    bend: [[(f64, f64); UNKNOWNS]; UNKNOWNS],
+    pub(super) bend: [[(f64, f64); UNKNOWNS]; UNKNOWNS],
+}
+
+/// A ball at an azimuth, seen from both rings.
+pub(super) struct Placed {
+    pub(super) azimuth: Azimuth,
+    pub(super) meridian: PerRaceway<Meridian>,
 }
 
 /// The axis of a tilted ring, with its first and second derivatives by β_y and β_z, in the inertial frame.
@@ -173,7 +192,7 @@ impl RingBearing {
             pitch_radius: 0.5 * parameters.pitch_diameter,
             ball_radius: 0.5 * diameter,
             ball_mass: bearing.ball_mass,
-            orbit_ratio: kinematics::ideal_orbit_ratio(bearing),
+            rolling: Rolling::new(bearing),
             outer_speed: 0.0,
             axial_play: bearing.groove_centre_distance * bearing.free_contact_angle.sin(),
             play: bearing.largest_displacement(),
@@ -215,10 +234,9 @@ impl RingBearing {
         Azimuth::new(TAU * ((index % self.balls) as f64 + beyond) / self.balls as f64)
     }
 
-    /// Centrifugal force on a ball over the radius of its orbit [N/m], at a speed of the inner ring [rad/s].
-    pub(super) fn centrifugal(&self, speed: f64) -> f64 {
-        let orbit = RingSpeeds { inner: speed, outer: self.outer_speed }.carried(self.orbit_ratio);
-        self.ball_mass * orbit * orbit
+    /// Speeds of both rings at a speed of the inner one [rad/s].
+    pub(super) fn speeds(&self, speed: f64) -> RingSpeeds {
+        RingSpeeds { inner: speed, outer: self.outer_speed }
     }
 
     /// Penetration under a load over the ball's radius, the larger of both raceways [-].
@@ -238,47 +256,62 @@ impl RingBearing {
         [share * inner[0], radius - self.pitch_radius]
     }
 
-    /// Potential of a ball at a place [m], axial and radius less the pitch radius; `centrifugal` as [`RingBearing::centrifugal`] [N/m].
-    pub(super) fn ball(
+    /// A ball at a place [m], axial and radial less the pitch radius.
+    pub(super) fn placed(
         &self,
         azimuth: Azimuth,
         axis: &Axis,
         pose: &Pose,
         [axial, radial]: [f64; OF_BALL],
-        centrifugal: f64,
-    ) -> BallSlopes {
+    ) -> Placed {
         let radius = self.pitch_radius + radial;
         let centre = azimuth.to_orbit([pose[0], pose[1], pose[2]]);
+        let from_centre = subtract([axial, radius, 0.0], centre);
+        let inner = Meridian::of_inner(from_centre, azimuth, axis);
+        Placed { azimuth, meridian: PerRaceway { inner, outer: Meridian::of_outer(axial, radius) } }
+    }
+
+    /// The grooves.
+    pub(super) fn grooves(&self) -> PerRaceway<&Groove> {
+        PerRaceway { inner: &self.inner, outer: &self.outer }
+    }
+
+    /// Potential of the contacts of a ball.
+    pub(super) fn contacts(&self, ball: &Placed) -> BallSlopes {
         let mut slopes = BallSlopes {
-            energy: -centrifugal * (self.pitch_radius + 0.5 * radial) * radial,
+            energy: 0.0,
             gradient: [0.0; UNKNOWNS],
             hessian: [[0.0; UNKNOWNS]; UNKNOWNS],
-            inner: Touch::default(),
-            outer: Touch::default(),
+            touch: PerRaceway { inner: Touch::NONE, outer: Touch::NONE },
         };
-        slopes.gradient[1] = -centrifugal * radius;
-        slopes.hessian[1][1] = -centrifugal;
-        slopes.outer = slopes.add(&self.outer, &Meridian::of_outer(axial, radius));
-        let from_centre = subtract([axial, radius, 0.0], centre);
-        slopes.inner = slopes.add(&self.inner, &Meridian::of_inner(from_centre, azimuth, axis));
+        let PerRaceway { inner, outer } = &ball.meridian;
+        slopes.touch.outer = slopes.add(&self.outer, outer);
+        slopes.touch.inner = slopes.add(&self.inner, inner);
         slopes
+    }
+}
+
+impl Groove {
+    /// A ball at an axial and a radial place [m] in this groove.
+    pub(super) fn at(&self, axial: f64, radius: f64) -> InGroove {
+        let radial = radius - self.centre_radius;
+        let distance = axial.hypot(radial);
+        let penetration = distance - self.touch_distance;
+        // A groove is an arc: beyond its centre there is no surface to touch.
+        let touches = self.side * radial > 0.0 && penetration > 0.0;
+        let load = if touches { self.hertz.stiffness * penetration * penetration.sqrt() } else { 0.0 };
+        InGroove { distance, penetration, load, direction: (axial / distance, radial / distance) }
     }
 }
 
 impl BallSlopes {
     /// Adds a contact: Q δ_i to the gradient, Q' δ_i δ_j + Q δ_ij to the Hessian.
     fn add(&mut self, groove: &Groove, at: &Meridian) -> Touch {
-        let radial = at.radius - groove.centre_radius;
-        let distance = at.axial.hypot(radial);
-        let penetration = distance - groove.touch_distance;
-        // A groove is an arc: beyond its centre there is no surface to touch.
-        if groove.side * radial <= 0.0 || penetration <= 0.0 {
-            return Touch::default();
+        let InGroove { distance, penetration, load, direction: (sine, cosine) } = groove.at(at.axial, at.radius);
+        if load == 0.0 {
+            return Touch::NONE;
         }
-        let (sine, cosine) = (at.axial / distance, radial / distance);
-        let root = penetration.sqrt();
-        let load = groove.hertz.stiffness * penetration * root;
-        let slope = 1.5 * groove.hertz.stiffness * root;
+        let slope = 1.5 * groove.hertz.stiffness * penetration.sqrt();
         let towards = at.by.map(|(axial, radius)| sine * axial + cosine * radius);
         let across = at.by.map(|(axial, radius)| cosine * axial - sine * radius);
         self.energy += 0.4 * load * penetration;
@@ -292,51 +325,11 @@ impl BallSlopes {
         }
         Touch { load, penetration, hertz_stiffness: groove.hertz.stiffness, towards }
     }
-
-    /// Stiffness by the pose of the inner ring alone, a pressed ball in equilibrium: the Schur complement H_rr − H_rb H_bb⁻¹ H_br.
-    pub(super) fn condensed(&self) -> Matrix {
-        let gives = self.gives();
-        let entry = |row: usize, column: usize| {
-            let (row, column) = (row.max(column), row.min(column));
-            let by_ball: f64 = (0..OF_BALL).map(|k| gives[row][k] * self.hessian[OF_BALL + column][k]).sum();
-            self.hessian[OF_BALL + row][OF_BALL + column] - by_ball
-        };
-        from_fn(|row| from_fn(|column| entry(row, column)))
-    }
-
-    /// Motion of the ball by each freedom of the inner ring with the sign changed, H_rb H_bb⁻¹.
-    fn gives(&self) -> [[f64; OF_BALL]; FREEDOMS] {
-        let ([first, _, ..], [between, second, ..]) = (self.hessian[0], self.hessian[1]);
-        let determinant = first * second - between * between;
-        from_fn(|row| {
-            let [by_axial, by_radial, ..] = self.hessian[OF_BALL + row];
-            [
-                (by_axial * second - by_radial * between) / determinant,
-                (by_radial * first - by_axial * between) / determinant,
-            ]
-        })
-    }
-
-    /// Damping by the pose of the inner ring alone at rates that leave a pressed ball in equilibrium.
-    pub(super) fn condensed_damping(&self, damping: &DampingFactor) -> Matrix {
-        let mut sum = Matrix::default();
-        let gives = self.gives();
-        for touch in [&self.inner, &self.outer] {
-            let coefficient = touch.damping(damping);
-            let towards: [f64; FREEDOMS] = from_fn(|row| {
-                touch.towards[OF_BALL + row] - gives[row][0] * touch.towards[0] - gives[row][1] * touch.towards[1]
-            });
-            for row in 0..FREEDOMS {
-                for column in 0..FREEDOMS {
-                    sum[row][column] += coefficient * towards[row] * towards[column];
-                }
-            }
-        }
-        sum
-    }
 }
 
 impl Touch {
+    const NONE: Self = Self { load: 0.0, penetration: 0.0, hertz_stiffness: 0.0, towards: [0.0; UNKNOWNS] };
+
     /// Force against the rate of penetration at rest [N s/m].
     pub(super) fn damping(&self, damping: &DampingFactor) -> f64 {
         normal_slopes(self.hertz_stiffness, self.penetration, 0.0, damping).1

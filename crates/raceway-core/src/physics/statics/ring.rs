@@ -5,8 +5,10 @@ use std::array::from_fn;
 use nalgebra::{Complex, Matrix2};
 
 pub use super::balance::NoBalance;
-use super::balance::{Balance, Border, Found, Link, Places, slopes_of_balls};
-use super::ball::{BallSlopes, FREEDOMS, Matrix, OF_BALL, Pose, RingBearing, Wrench};
+use super::balance::{Balance, Border, Found, Link, Places, balls_of};
+use super::ball::{BallSlopes, FREEDOMS, Matrix, OF_BALL, Pose, RingBearing, Touch, Wrench};
+use super::rolling::BallStiffness;
+use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::DampingFactor;
 
 /// A bearing with its balls in equilibrium at a pose of the inner ring. Values are means over eight places in a ball spacing.
@@ -108,16 +110,19 @@ impl RingState {
     pub(super) fn of(bearing: &RingBearing, pose: Pose, speed: f64, balls: Places, least_load: f64) -> Self {
         let mut of_places = vec![Matrix::default(); bearing.places];
         let (mut wrench, mut largest_loads, mut pressed) = (Wrench::default(), [0.0_f64; 2], 0);
-        let slopes = slopes_of_balls(bearing, &pose, speed, balls.iter().copied());
-        for (index, ball) in slopes.enumerate() {
-            largest_loads = [largest_loads[0].max(ball.inner.load), largest_loads[1].max(ball.outer.load)];
-            if ball.inner.load <= least_load {
+        let speeds = bearing.speeds(speed);
+        for (index, (ball, slopes)) in balls_of(bearing, &pose, balls.iter().copied()).enumerate() {
+            let PerRaceway { inner, outer } = slopes.touch;
+            largest_loads = [largest_loads[0].max(inner.load), largest_loads[1].max(outer.load)];
+            if inner.load <= least_load {
                 continue;
             }
             pressed += 1;
-            add_to(&mut of_places[index / bearing.balls], &ball.condensed(), 1.0);
+            let stiffness = bearing.stiffness_of_ball(&ball, &slopes.hessian, speeds);
+            add_to(&mut of_places[index / bearing.balls], &stiffness.condensed(), 1.0);
+            let rolling = bearing.rolling_forces(&ball, speeds);
             for (k, force) in wrench.iter_mut().enumerate() {
-                *force -= bearing.share() * ball.gradient[OF_BALL + k];
+                *force -= bearing.share() * (slopes.gradient[OF_BALL + k] - rolling[OF_BALL + k]);
             }
         }
         Self {
@@ -138,9 +143,21 @@ impl RingState {
         &self.balls
     }
 
+    /// Largest contact angle of a pressed ball on the inner and on the outer raceway [rad].
+    #[cfg(test)]
+    pub(crate) fn angles(&self) -> [f64; 2] {
+        let balls = balls_of(&self.bearing, &self.pose, self.balls.iter().copied());
+        balls.filter(|(_, slopes)| slopes.touch.inner.load > self.least_load).fold([0.0; 2], |most, (ball, _)| {
+            let (of, groove) = (&ball.meridian, self.bearing.grooves());
+            let inner = groove.inner.at(of.inner.axial, of.inner.radius).direction;
+            let outer = groove.outer.at(of.outer.axial, of.outer.radius).direction;
+            [most[0].max((inner.0 / inner.1).atan()), most[1].max((outer.0 / outer.1).atan())]
+        })
+    }
+
     /// Damping of the contacts against slow motions of the inner ring, in which the balls stay in equilibrium.
     pub fn damping(&self, damping: &DampingFactor) -> Matrix {
-        self.mean(|ball| ball.condensed_damping(damping))
+        self.mean(|touch, stiffness| stiffness.condensed_damping(touch, damping))
     }
 
     /// Stiffness and damping of the contacts for a vibration of the inner ring [rad/s], in which the inertia and the damping of the balls act
@@ -151,7 +168,9 @@ impl RingState {
         }
         let inertia = self.bearing.ball_mass * frequency * frequency;
         let part = |part: fn(Complex<f64>) -> f64| {
-            self.mean(|ball| ball.condensed_at(damping, frequency, inertia).map(|row| row.map(part)))
+            self.mean(|touch, stiffness| {
+                stiffness.condensed_at(touch, damping, frequency, inertia).map(|row| row.map(part))
+            })
         };
         let by_rate = part(|entry| entry.im);
         DynamicStiffness {
@@ -161,11 +180,14 @@ impl RingState {
     }
 
     /// Mean over the places of a sum over the pressed balls.
-    fn mean(&self, of_ball: impl Fn(&BallSlopes) -> Matrix) -> Matrix {
-        let mut sum = Matrix::default();
-        slopes_of_balls(&self.bearing, &self.pose, self.speed, self.balls.iter().copied())
-            .filter(|ball| ball.inner.load > self.least_load)
-            .for_each(|ball| add_to(&mut sum, &of_ball(&ball), self.bearing.share()));
+    fn mean(&self, of_ball: impl Fn(&PerRaceway<Touch>, &BallStiffness) -> Matrix) -> Matrix {
+        let (mut sum, speeds) = (Matrix::default(), self.bearing.speeds(self.speed));
+        for (ball, BallSlopes { hessian, touch, .. }) in balls_of(&self.bearing, &self.pose, self.balls.iter().copied()) {
+            if touch.inner.load > self.least_load {
+                let stiffness = self.bearing.stiffness_of_ball(&ball, &hessian, speeds);
+                add_to(&mut sum, &of_ball(&touch, &stiffness), self.bearing.share());
+            }
+        }
         sum
     }
 }
@@ -183,31 +205,31 @@ impl Spread {
     }
 }
 
-impl BallSlopes {
+impl BallStiffness {
     /// Complex stiffness by the pose of the inner ring at a frequency [rad/s]; `inertia`: of the ball times the frequency squared [N/m].
     fn condensed_at(
         &self,
+        touch: &PerRaceway<Touch>,
         damping: &DampingFactor,
         frequency: f64,
         inertia: f64,
     ) -> [[Complex<f64>; FREEDOMS]; FREEDOMS] {
-        let touches = [&self.inner, &self.outer].map(|touch| (touch.damping(damping), touch.towards));
+        let touches = [&touch.inner, &touch.outer].map(|touch| (touch.damping(damping), touch.towards));
         let entry = |row: usize, column: usize| {
             let rate = touches.iter().map(|(coefficient, towards)| coefficient * towards[row] * towards[column]);
-            Complex::new(self.hessian[row.max(column)][row.min(column)], frequency * rate.sum::<f64>())
+            Complex::new(self.0[row][column], frequency * rate.sum::<f64>())
         };
         let of_ball = Matrix2::from_fn(|row, column| {
             entry(row, column) - if row == column { Complex::from(inertia) } else { Complex::default() }
         });
         // A resonance without damping has no stiffness.
         let inverse = of_ball.try_inverse().unwrap_or_default();
-        let coupling = |row: usize, k: usize| entry(OF_BALL + row, k);
         from_fn(|row| {
             from_fn(|column| {
                 let mut sum = entry(OF_BALL + row, OF_BALL + column);
                 for k in 0..OF_BALL {
                     for l in 0..OF_BALL {
-                        sum -= coupling(row, k) * inverse[(k, l)] * coupling(column, l);
+                        sum -= entry(OF_BALL + row, k) * inverse[(k, l)] * entry(l, OF_BALL + column);
                     }
                 }
                 sum
