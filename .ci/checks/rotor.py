@@ -60,6 +60,22 @@ def case_preloaded_pair(running):
     return None
 
 
+def case_messages(running):
+    """A sliding ring presses the first bearing of a pair on its open side, or on its shoulder; 60 kN are too much."""
+    def told(facing, load):
+        seat = {"seat": "sliding", "spring_force_n": 200, "spring_n_per_um": 1}
+        bearings = [{"name": "A", "bearing": "7008C", "at_mm": 60, "faces": facing},
+                    {"name": "B", "bearing": "7008C", "at_mm": 240, "faces": "-x", "outer_ring": seat}]
+        shaft = {"sections": [{"length_mm": 300, "outer_diameter_mm": 40}], "axial": "free"}
+        scene = {"shaft": shaft, "bearings": bearings, "operation": {"speed_rpm": 3000, "radial_load_y_n": load}}
+        status, _, answer = running.request("POST", "/v1/rotor", {"kind": "rotor", "scene": scene, "speeds_rpm": [3000]})
+        return sorted((one["code"], one["bearing"]) for one in answer["messages"]) if status == 200 else answer
+
+    found = [told("-x", 50), told("+x", 50), told("+x", 60_000)]
+    expected = [[("open-side", "A")], [], [("overloaded", "A"), ("overloaded", "B")]]
+    verdict(found == expected, f"thrust over an open side and too much pressure have messages: {found}")
+
+
 def case_answer_at_once(running):
     body = job() | {"speeds_rpm": {"from": 0, "to": 30000, "count": 50}}
     running.request("POST", "/v1/rotor", body)

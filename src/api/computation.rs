@@ -12,7 +12,7 @@ pub async fn computed<T: Send + 'static>(
     work: impl FnOnce(&dyn Fn() -> bool) -> T + Send + 'static,
 ) -> Result<T, ApiError> {
     let (permit, unwanted) = (permit.clone(), CancellationToken::new());
-    let _cancels = unwanted.clone().drop_guard();
+    let (_cancels, _computing) = (unwanted.clone().drop_guard(), permit.computing());
     let done = tokio::task::spawn_blocking(move || {
         let _held = permit;
         work(&|| unwanted.is_cancelled())

@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 use std::convert::Infallible;
 use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
@@ -27,7 +28,7 @@ const MAX_REQUESTS: usize = 512;
 /// Largest number of event streams and of requests that wait for a job. Each occupies a connection, so it is less than their number.
 const MAX_FOLLOWERS: usize = 256;
 
-/// Longest time that a request is in work. It is exceeded only if the database does not answer.
+/// Longest time that a request is in work. It is exceeded by a long computation, and otherwise only if the database does not answer.
 const WORK_TIMEOUT: Duration = Duration::from_secs(60);
 
 /// Largest number of time series being sent: some have a hundred megabytes, and a slow client reads slowly.
@@ -164,6 +165,17 @@ impl HttpBody for PermitBody {
 pub struct RequestPermit {
     concurrency: Concurrency,
     held: Arc<Mutex<Option<HeldPermit>>>,
+    is_computing: Arc<AtomicBool>,
+}
+
+/// A computation that a request waits for.
+#[derive(Debug)]
+pub struct ComputingGuard(Arc<AtomicBool>);
+
+impl Drop for ComputingGuard {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
 }
 
 #[derive(Debug)]
@@ -174,7 +186,13 @@ struct HeldPermit {
 
 impl RequestPermit {
     fn new(concurrency: Concurrency) -> Self {
-        Self { concurrency, held: Arc::default() }
+        Self { concurrency, held: Arc::default(), is_computing: Arc::default() }
+    }
+
+    /// Says whether the request waits for a computation, as long as the guard lives.
+    pub fn computing(&self) -> ComputingGuard {
+        self.is_computing.store(true, Ordering::Relaxed);
+        ComputingGuard(Arc::clone(&self.is_computing))
     }
 
     /// Takes the permit; an error if none is free.
@@ -197,12 +215,15 @@ impl RequestPermit {
         locked(&self.held)
     }
 
-    /// Ends when the permit has been held for too long.
-    async fn expired(&self) {
+    /// Ends when the permit has been held for too long, with the cause.
+    async fn expired(&self) -> ApiError {
         loop {
             let held_for = self.held().as_ref().map_or(Duration::ZERO, |held| held.since.elapsed());
             match WORK_TIMEOUT.checked_sub(held_for) {
-                None | Some(Duration::ZERO) => return,
+                None | Some(Duration::ZERO) if self.is_computing.load(Ordering::Relaxed) => {
+                    return ApiError::TooLong { limit_s: WORK_TIMEOUT.as_secs() };
+                }
+                None | Some(Duration::ZERO) => return JobError::NotWritable.into(),
                 Some(left) => tokio::time::sleep(left).await,
             }
         }
@@ -234,7 +255,7 @@ pub async fn limit(
     request.extensions_mut().insert(permit.clone());
     let answered = tokio::select! {
         response = next.run(request) => Ok(response),
-        () = permit.expired() => Err(JobError::NotWritable.into()),
+        cause = permit.expired() => Err(cause),
     };
     // Handlers may still hold copies of the permit.
     permit.release();
@@ -249,6 +270,20 @@ fn is_unlimited(path: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A request that has been in work for too long names what it waits for.
+    #[tokio::test]
+    async fn late_requests_name_their_cause() {
+        let permit = RequestPermit::new(Concurrency::default());
+        permit.acquire().unwrap();
+        if let Some(held) = permit.held().as_mut() {
+            held.since -= WORK_TIMEOUT;
+        }
+        let computing = permit.computing();
+        assert!(matches!(permit.expired().await, ApiError::TooLong { limit_s: 60 }));
+        drop(computing);
+        assert!(matches!(permit.expired().await, ApiError::Job(JobError::NotWritable)));
+    }
 
     #[test]
     fn requests_beyond_the_limits_are_refused_and_released_permits_can_be_reused() {

@@ -134,6 +134,10 @@ pub enum ApiError {
     Overloaded,
     /// A preview waited too long for its place.
     PreviewsBusy,
+    /// The work of an immediate answer did not end in this time [s].
+    TooLong {
+        limit_s: u64,
+    },
     Job(JobError),
     /// The service does not accept jobs now.
     NotReady(JobError),
@@ -275,6 +279,11 @@ impl ApiError {
             Self::PreviewsBusy => {
                 let detail = "other previews still run; try again, or submit a job".into();
                 of(S::SERVICE_UNAVAILABLE, "overloaded", "The service is busy", detail)
+            }
+            Self::TooLong { limit_s } => {
+                let detail =
+                    format!("an immediate answer may take {limit_s} s; submit a job to `/v1/jobs`, or ask for less");
+                of(S::UNPROCESSABLE_ENTITY, "too-long", "The answer takes too long", detail)
             }
             Self::Job(error) => of_job(error),
             Self::NotReady(error) => {

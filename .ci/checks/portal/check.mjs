@@ -831,6 +831,15 @@ async function links(browser, url, hash) {
   // A link that is pasted over this one.
   await page.evaluate((id) => { location.hash = `run=${id}`; }, run);
   await page.locator('#panel-result .line-label').first().waitFor();
+  // A link with the job of a shaft.
+  const supports = [20, 300].map((at_mm) => ({ at_mm, stiffness_n_per_um: [0, 50, 50] }));
+  const shaft = { sections: [{ length_mm: 321, outer_diameter_mm: 25 }] };
+  const bar = { kind: 'rotor', scene: { shaft, supports, operation: { speed_rpm: 3000 } } };
+  await page.goto('about:blank');
+  await page.goto(`${url}/#${new URLSearchParams({ job: JSON.stringify(bar) })}`);
+  await page.locator('#panel-shaft .rotor').waitFor();
+  assert.equal(await page.locator('#tab-shaft').getAttribute('aria-selected'), 'true');
+  assert.ok(page.url().includes('321'), 'the address keeps the shaft');
   assert.deepEqual(faults, []);
   await context.close();
   ok('a link to a run alone opens it on its tab with its scene; one to none says so');

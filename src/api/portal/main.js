@@ -14,6 +14,7 @@ import { fromAddress, isId, START, toAddress } from './request.js';
 import { Result } from './result.js';
 import { SceneForm } from './scene.js';
 import { Shaft } from './shaft.js';
+import { ofJob } from './shaft-request.js';
 import { Slider } from './slider.js';
 import { Study } from './study.js';
 
@@ -116,7 +117,7 @@ async function start() {
     ...panels,
     presets,
     report: openReport,
-    request: address.shaft,
+    request: address.shaft && ofJob(address.shaft),
     onChange: (request) => {
       state.shaft = request;
       remember();

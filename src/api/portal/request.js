@@ -74,7 +74,10 @@ export function fromAddress() {
     }
   });
   const whole = (value) => (value && typeof value === 'object' ? value : null);
-  return { job: whole(job), shaft: isOfShaft(whole(shaft)) ? shaft : null, run: parameters.get('run'), tab: parameters.get('tab') };
+  const [run, tab] = ['run', 'tab'].map((name) => parameters.get(name));
+  // A job of a shaft under the other name is one for the form of the shaft.
+  if (['rotor', 'machine'].includes(job?.kind) && isOfShaft(job)) return { job: null, shaft: job, run, tab: tab ?? 'shaft' };
+  return { job: whole(job), shaft: isOfShaft(whole(shaft)) ? shaft : null, run, tab };
 }
 
 /** Whether a word has the form of a job id. */

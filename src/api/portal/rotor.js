@@ -3,6 +3,7 @@
 import { Chart } from './chart.js';
 import { h, s, table } from './dom.js';
 import { number, quantity } from './format.js';
+import { messageList } from './messages.js';
 import { lengthOf, listAt, sectionsOf } from './shaft-request.js';
 
 /** Sign, name and line of a whirl. */
@@ -34,6 +35,7 @@ export class RotorView {
     this.campbell = new Chart(420);
     this.response = new Chart(320);
     this.deflection = new Chart(240);
+    this.messages = h('div', {});
     this.figures = h('dl', { class: 'figures' });
     this.motions = h('div', {});
     this.shape = h('div', { class: 'shape' });
@@ -43,6 +45,7 @@ export class RotorView {
     this.element = h(
       'div',
       { class: 'rotor' },
+      this.messages,
       this.figures,
       h('div', { class: 'pair' }, this.motions, figure('Shape', this.shape, this.shapeText)),
       figure(
@@ -76,6 +79,7 @@ export class RotorView {
         answer.operating.modes.findIndex(({ whirl }) => whirl !== 'axial'),
         0,
       )}`;
+    this.messages.replaceChildren(...messageList(answer.messages));
     this.#summary();
     this.#list();
     this.#drawCampbell();

@@ -1,5 +1,6 @@
 //! The result of a rotor job as JSON.
 
+use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use raceway_core::rotor::analysis::analyse;
 use raceway_core::rotor::input::RotorError;
 use raceway_core::rotor::result::{
@@ -9,10 +10,12 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::failure::{DID_NOT_CONVERGE, RunFailure};
+use super::messages::{self, MessageAnswer};
 use super::rotor_model::RotorModelAnswer;
 use crate::contract::job::rotor::RotorJob;
 use crate::contract::json::units::{DEG, MM, MRAD, RPM, UM};
 use crate::contract::scene::housing::PartInput;
+use crate::contract::scene::rotor_bearings::RotorBearingInput;
 use crate::contract::scene::rotor_scene::SensorInput;
 
 /// Result of a rotor job. Phases are those of cos(Ωt + phase), t = 0 where the shaft's angle is 0.
@@ -53,6 +56,11 @@ pub struct RotorAnswer {
     /// Static displacement of the nodes under weight and loads.
     #[serde(rename = "static")]
     pub at_rest: DeflectionAnswer,
+    /// Messages about the bearings. See `MessageCode`.
+    // Results of builds before the messages have none.
+    #[serde(default)]
+    #[schema(required = true)]
+    pub messages: Vec<MessageAnswer>,
     /// Elements and matrices of the calculation.
     pub model: RotorModelAnswer,
 }
@@ -312,6 +320,7 @@ fn answer(job: &RotorJob, result: &RotorResult, model: RotorModelAnswer) -> Roto
         sensors: sensors(job, result),
         bearings: bearings(job, result),
         at_rest: DeflectionAnswer { x_um: um(0), y_um: um(1), z_um: um(2) },
+        messages: messages(job, result),
         model,
     }
 }
@@ -381,6 +390,18 @@ fn bearings(job: &RotorJob, result: &RotorResult) -> Vec<RotorBearingAnswer> {
         loaded_share: bearing.loaded,
     };
     names.zip(&result.bearings).map(of).collect()
+}
+
+/// Reasons to doubt the bearings.
+fn messages(job: &RotorJob, result: &RotorResult) -> Vec<MessageAnswer> {
+    let named = job.input.scene.bearings.iter().flatten().zip(&result.bearings);
+    let of = |(RotorBearingInput { name, .. }, bearing): (&RotorBearingInput, &BearingResult)| {
+        let (pressure, load) = bearing.largest_pressure;
+        let overloaded = (pressure > STATIC_PRESSURE_LIMIT).then(|| messages::overloaded(name, load, pressure));
+        let open = bearing.thrust_over_open_side.map(|thrust| messages::open_side(name, thrust));
+        overloaded.into_iter().chain(open)
+    };
+    named.flat_map(of).collect()
 }
 
 fn course_answer(points: &[Option<ModePoint>]) -> ModeCourseAnswer {

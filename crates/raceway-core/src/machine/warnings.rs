@@ -6,7 +6,6 @@ use super::equations::MachineDynamics;
 use super::input::Machine;
 use super::result::{BearingMetrics, MachineResult, SignalMetrics};
 use super::stepping::stiffness_of_step;
-use crate::physics::bearing::BearingKind;
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
 use crate::simulation::solve::startup::SETTLED_EFOLDS;
@@ -45,21 +44,17 @@ pub(super) fn warnings(
         .chain(start)
         .chain(trends)
         .chain(overloaded)
-        .chain(open_sides(machine, dynamics))
+        .chain(open_sides(dynamics))
         .chain(of_surfaces(dynamics))
         .collect()
 }
 
 /// Angular-contact bearings that carry thrust at the operating point in the direction in which real ones come apart.
-fn open_sides<'a>(machine: &'a Machine, dynamics: &'a MachineDynamics) -> impl Iterator<Item = MachineWarning> + 'a {
+fn open_sides(dynamics: &MachineDynamics) -> impl Iterator<Item = MachineWarning> + '_ {
     // Without bearings there is no operating point.
     let rings = dynamics.frame.system.operating.first().into_iter().flat_map(|point| &point.rings);
-    let bearings = machine.bearings.iter().zip(rings).enumerate();
-    bearings.filter_map(|(bearing, (of, ring))| {
-        // In the bearing's own axes, in which the balls push a ring that carries thrust along −X.
-        let load = ring.wrench[0];
-        let is_open = of.scene.bearing.parameters.kind == BearingKind::AngularContact;
-        (is_open && load > 0.0).then_some(MachineWarning::OpenSide { bearing, load })
+    rings.enumerate().filter_map(|(bearing, ring)| {
+        ring.thrust_over_open_side().map(|load| MachineWarning::OpenSide { bearing, load })
     })
 }
 

@@ -22,14 +22,15 @@ const CONVERGED: f64 = 1e-11;
 const MOST_ITERATIONS: usize = 6;
 const MOST_SHIFTS: usize = 6;
 
-/// Every oscillation, slowest first. `None` where the symmetric part of the stiffness is not positive definite, so that some motion is
+/// Every oscillation by its natural frequency |λ|, lowest first. An oscillation near its critical damping has a slow imaginary part and decays as
+/// fast as its |λ|. `None` where the symmetric part of the stiffness is not positive definite, so that some motion is
 /// not restrained, and where the eigenvalues do not converge.
 ///
 /// With K + Kᵀ = 2 L Lᵀ the state (Lᵀq, q̇) makes the matrix antisymmetric where nothing damps, so that it needs no balancing.
 pub fn oscillations(stiffness: &DMatrix<f64>, damping: &DMatrix<f64>) -> Option<Vec<Oscillation>> {
     let (values, factor) = eigenvalues(stiffness, damping)?;
     let mut values: Vec<_> = values.into_iter().filter(|value| value.im > OSCILLATES * value.norm()).collect();
-    values.sort_by(|a, b| a.im.total_cmp(&b.im));
+    values.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
     with_vectors(&values, &factor, stiffness, damping)
 }
 

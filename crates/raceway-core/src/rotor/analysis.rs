@@ -106,7 +106,7 @@ fn system(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Result<(
     Ok((system, count))
 }
 
-/// Matrices on a mesh with enough free modes, the asked-for angular frequencies without gyroscopic moments [rad/s], and the number of
+/// Matrices on a mesh with enough free modes, the asked-for natural frequencies |λ| without gyroscopic moments [rad/s], and the number of
 /// flexible modes in each plane.
 fn on_mesh(
     rotor: &Rotor,
@@ -122,7 +122,8 @@ fn on_mesh(
         let system = System::of(rotor, mesh.clone(), count, &[rotor.speed])?;
         check(stop)?;
         let oscillations = system.oscillations(0.0)?;
-        let frequencies: Vec<f64> = oscillations.iter().take(modes).map(|oscillation| oscillation.value.im).collect();
+        let frequencies: Vec<f64> =
+            oscillations.iter().take(modes).map(|oscillation| oscillation.value.norm()).collect();
         let highest = frequencies.last().copied().unwrap_or_default();
         // A coarse mesh has no more modes to give.
         let has_all = system.coordinates.len() == coordinates;
@@ -233,6 +234,8 @@ fn bearings([operating, system]: [&System; 2], rotor: &Rotor, speeds: &[f64]) ->
             damping: on_shaft(&ring.damping(&bearing.damping)),
             largest_loads: ring.largest_loads,
             loaded: ring.loaded,
+            largest_pressure: ring.largest_pressure(),
+            thrust_over_open_side: ring.thrust_over_open_side(),
             over_speed: speeds
                 .iter()
                 .map(|speed| {

@@ -14,7 +14,7 @@ const SAME_VALUE: f64 = 1e-6;
 /// An oscillation at each speed; `None` where it has stopped to oscillate.
 pub type Course = Vec<Option<Oscillation>>;
 
-/// The `count` slowest oscillations of the first speed, over all speeds.
+/// The `count` lowest oscillations of the first speed, over all speeds.
 pub fn courses(
     system: &System,
     speeds: &[f64],

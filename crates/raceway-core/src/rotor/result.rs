@@ -140,6 +140,10 @@ pub struct BearingResult {
     pub largest_loads: [f64; 2],
     /// Share of the balls that the inner raceway presses [-].
     pub loaded: f64,
+    /// Largest pressure of a ball on a raceway [Pa], with its load [N].
+    pub largest_pressure: (f64, f64),
+    /// Thrust over the open side of an angular-contact bearing [N].
+    pub thrust_over_open_side: Option<f64>,
     /// Mean stiffness and damping at each requested speed.
     pub over_speed: Vec<(PortMatrix, PortMatrix)>,
 }

@@ -247,7 +247,7 @@ impl System {
         &self.rotating
     }
 
-    /// Every oscillation at a speed, slowest first.
+    /// Every oscillation at a speed, by its natural frequency |λ|.
     pub fn oscillations(&self, speed: f64) -> Result<Vec<Oscillation>, RotorError> {
         let (stiffness, damping) = self.matrices(speed);
         oscillations(&stiffness, &damping).ok_or_else(|| unsolved(&stiffness))

@@ -77,9 +77,9 @@ pub enum Severity {
 ///
 /// `merged-cage-lines`: Spectra do not separate lines that differ by the cage speed. Increase `duration_s`, or the speed.
 ///
-/// `overloaded`: A pressure of a machine's bearing deforms its raceway permanently, which the elastic model does not show. Reduce the load.
+/// `overloaded`: A pressure of a bearing on a shaft deforms its raceway permanently, which the elastic model does not show. Reduce the load.
 ///
-/// `open-side`: An angular-contact bearing of a machine carries thrust over its open side, where real rings come apart. Turn it round, or raise the
+/// `open-side`: An angular-contact bearing on a shaft carries thrust over its open side, where real rings come apart. Turn it round, or raise the
 /// preload.
 ///
 /// `failed-samples`: More than 5 % of the sampled points have no value of the metric. Percentiles may leave out the worst of them.

@@ -4,11 +4,11 @@ use raceway_core::machine::codes::{
     LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause, StepLimit,
 };
 use raceway_core::machine::input::Machine;
-use raceway_core::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use raceway_core::simulation::error::codes::Warning;
 use serde_json::{Value, json};
 
 use super::answer::{MessageAnswer, MessageCode, Severity, message};
+use super::bearing::{open_side, overloaded};
 use super::warnings::of_warning;
 use super::words::{numbers, time};
 use crate::contract::json::limits;
@@ -88,30 +88,9 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             (MessageCode::PartlyVerified, text, numbers(&[("window_s", *window)]))
         }
         MachineWarning::Overloaded { bearing, load, pressure } => {
-            let name = &machine.bearings[*bearing].name;
-            let pressure_mpa = significant(pressure / 1e6, 3);
-            let text = format!(
-                "The largest pressure in bearing {name} was {pressure_mpa} MPa, at a ball load of {} N. Above {:.0} MPa the raceway deforms \
-                 permanently, and the model is elastic. Reduce the load, or take a larger bearing.",
-                significant(*load, 3),
-                STATIC_PRESSURE_LIMIT / 1e6
-            );
-            let values = vec![
-                ("bearing", json!(name)),
-                ("pressure_mpa", json!(pressure_mpa)),
-                ("ball_load_n", json!(significant(*load, 3))),
-            ];
-            (MessageCode::Overloaded, text, values)
+            return overloaded(&machine.bearings[*bearing].name, *load, *pressure);
         }
-        MachineWarning::OpenSide { bearing, load } => {
-            let name = &machine.bearings[*bearing].name;
-            let load_n = significant(*load, 3);
-            let text = format!(
-                "Bearing {name} carries {load_n} N over its open side, where real rings come apart; the groove of the model has no end. Turn \
-                 it round by `faces`, raise the preload, or reduce the thrust."
-            );
-            (MessageCode::OpenSide, text, vec![("bearing", json!(name)), ("thrust_n", json!(load_n))])
-        }
+        MachineWarning::OpenSide { bearing, load } => return open_side(&machine.bearings[*bearing].name, *load),
         MachineWarning::Surface { bearing, warning } => return of_surface(&machine.bearings[*bearing].name, warning),
         MachineWarning::ModelNotConfirmed(deviation) => {
             let allowed_db = significant(deviation.allowed_db, 6);

@@ -7,6 +7,7 @@ use raceway_core::simulation::result::metrics::SolverReport;
 
 mod answer;
 mod basis;
+mod bearing;
 mod candidates;
 mod machine;
 mod omissions;
@@ -17,6 +18,7 @@ mod words;
 use answer::message;
 pub use answer::{MessageAnswer, MessageCode, Severity};
 pub use basis::{check, choice_text, how};
+pub use bearing::{open_side, overloaded};
 pub use candidates::of_not_eligible;
 use candidates::of_rejection;
 pub use machine::of_machine;

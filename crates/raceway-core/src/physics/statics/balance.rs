@@ -97,7 +97,9 @@ impl RingBearing {
         let (of_balls, of_ring) = gradient.split_at_mut(places.len());
         let mut hessian = Bordered::zeros(self.entries(), FREEDOMS);
         let (balls, speeds) = (balls_of(self, pose, places.as_chunks().0.iter().copied()), self.speeds(speed));
-        for (((placed, ball), block), slope) in balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut::<OF_BALL>().0) {
+        for (((placed, ball), block), slope) in
+            balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut::<OF_BALL>().0)
+        {
             value += share * ball.energy;
             let rolling = self.rolling_forces(&placed, speeds);
             *slope = std::array::from_fn(|k| share * (ball.gradient[k] - rolling[k]));

@@ -3,9 +3,9 @@
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
-use crate::physics::bearing::{Bearing, SpindlePlay};
+use super::groove::{Groove, InGroove};
 use super::rolling::Rolling;
-use crate::physics::bearing::PerRaceway;
+use crate::physics::bearing::{Bearing, BearingKind, PerRaceway, SpindlePlay};
 use crate::physics::contact::damping::{DampingFactor, normal_slopes};
 use crate::physics::contact::hertz::{HertzContact, raceway_contacts};
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, dot, scale, subtract};
@@ -42,30 +42,8 @@ pub struct RingBearing {
     outer_speed: f64,
     axial_play: f64,
     play: SpindlePlay,
-}
-
-/// One raceway.
-#[derive(Debug, Clone)]
-pub(super) struct Groove {
-    /// 1 for the outer raceway, −1 for the inner one.
-    side: f64,
-    /// Radius of the circle of the groove's centres [m].
-    centre_radius: f64,
-    /// Distance of ball and groove centre at touch, (f − ½) d [m].
-    touch_distance: f64,
-    hertz: HertzContact,
-}
-
-/// A ball in a groove.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct InGroove {
-    /// From the groove's centre to the ball's [m].
-    pub(super) distance: f64,
-    penetration: f64,
-    /// [N]
-    pub(super) load: f64,
-    /// Direction from the groove's centre to the ball's, along the axis and the radius.
-    pub(super) direction: (f64, f64),
+    /// Thrust along −X finds no shoulder.
+    pub(super) has_open_side: bool,
 }
 
 /// One contact of a ball.
@@ -196,6 +174,7 @@ impl RingBearing {
             outer_speed: 0.0,
             axial_play: bearing.groove_centre_distance * bearing.free_contact_angle.sin(),
             play: bearing.largest_displacement(),
+            has_open_side: parameters.kind == BearingKind::AngularContact,
         }
     }
 
@@ -257,13 +236,7 @@ impl RingBearing {
     }
 
     /// A ball at a place [m], axial and radial less the pitch radius.
-    pub(super) fn placed(
-        &self,
-        azimuth: Azimuth,
-        axis: &Axis,
-        pose: &Pose,
-        [axial, radial]: [f64; OF_BALL],
-    ) -> Placed {
+    pub(super) fn placed(&self, azimuth: Azimuth, axis: &Axis, pose: &Pose, [axial, radial]: [f64; OF_BALL]) -> Placed {
         let radius = self.pitch_radius + radial;
         let centre = azimuth.to_orbit([pose[0], pose[1], pose[2]]);
         let from_centre = subtract([axial, radius, 0.0], centre);
@@ -288,19 +261,6 @@ impl RingBearing {
         slopes.touch.outer = slopes.add(&self.outer, outer);
         slopes.touch.inner = slopes.add(&self.inner, inner);
         slopes
-    }
-}
-
-impl Groove {
-    /// A ball at an axial and a radial place [m] in this groove.
-    pub(super) fn at(&self, axial: f64, radius: f64) -> InGroove {
-        let radial = radius - self.centre_radius;
-        let distance = axial.hypot(radial);
-        let penetration = distance - self.touch_distance;
-        // A groove is an arc: beyond its centre there is no surface to touch.
-        let touches = self.side * radial > 0.0 && penetration > 0.0;
-        let load = if touches { self.hertz.stiffness * penetration * penetration.sqrt() } else { 0.0 };
-        InGroove { distance, penetration, load, direction: (axial / distance, radial / distance) }
     }
 }
 

@@ -6,9 +6,11 @@
 
 mod balance;
 mod ball;
+mod groove;
 pub mod ring;
 mod rolling;
 pub mod shaft;
+mod stiffness;
 
 pub(crate) use balance::{FIRST_STEP, MAX_RELATIVE_DEPTH, check_residual, search};
 pub(crate) use ball::OF_BALL;

@@ -7,7 +7,7 @@ use nalgebra::{Complex, Matrix2};
 pub use super::balance::NoBalance;
 use super::balance::{Balance, Border, Found, Link, Places, balls_of};
 use super::ball::{BallSlopes, FREEDOMS, Matrix, OF_BALL, Pose, RingBearing, Touch, Wrench};
-use super::rolling::BallStiffness;
+use super::stiffness::BallStiffness;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::contact::damping::DampingFactor;
 
@@ -155,6 +155,22 @@ impl RingState {
         })
     }
 
+    /// Thrust in the direction in which the rings of an angular-contact bearing come apart [N]; `None` where there is none.
+    pub fn thrust_over_open_side(&self) -> Option<f64> {
+        // In the bearing's own axes, in which the balls push a ring that carries thrust along −X.
+        let load = self.wrench[0];
+        (self.bearing.has_open_side && load > 0.0).then_some(load)
+    }
+
+    /// Largest pressure of a ball on a raceway [Pa], with the load that makes it [N].
+    pub fn largest_pressure(&self) -> (f64, f64) {
+        let grooves = self.bearing.grooves();
+        let [inner, outer] = self.largest_loads;
+        let [on_inner, on_outer] =
+            [(grooves.inner, inner), (grooves.outer, outer)].map(|(groove, load)| (groove.max_pressure(load), load));
+        if on_inner.0 > on_outer.0 { on_inner } else { on_outer }
+    }
+
     /// Damping of the contacts against slow motions of the inner ring, in which the balls stay in equilibrium.
     pub fn damping(&self, damping: &DampingFactor) -> Matrix {
         self.mean(|touch, stiffness| stiffness.condensed_damping(touch, damping))
@@ -182,7 +198,8 @@ impl RingState {
     /// Mean over the places of a sum over the pressed balls.
     fn mean(&self, of_ball: impl Fn(&PerRaceway<Touch>, &BallStiffness) -> Matrix) -> Matrix {
         let (mut sum, speeds) = (Matrix::default(), self.bearing.speeds(self.speed));
-        for (ball, BallSlopes { hessian, touch, .. }) in balls_of(&self.bearing, &self.pose, self.balls.iter().copied()) {
+        for (ball, BallSlopes { hessian, touch, .. }) in balls_of(&self.bearing, &self.pose, self.balls.iter().copied())
+        {
             if touch.inner.load > self.least_load {
                 let stiffness = self.bearing.stiffness_of_ball(&ball, &hessian, speeds);
                 add_to(&mut sum, &of_ball(&touch, &stiffness), self.bearing.share());
