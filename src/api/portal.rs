@@ -35,7 +35,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 51] = files! {
+static FILES: [File; 52] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -44,6 +44,7 @@ static FILES: [File; 51] = files! {
     "chart.js": SCRIPT,
     "compare.js": SCRIPT,
     "derived.js": SCRIPT,
+    "designation.js": SCRIPT,
     "dom.js": SCRIPT,
     "download.js": SCRIPT,
     "example.js": SCRIPT,

@@ -227,7 +227,7 @@ async function labelsAreClear(page, panel) {
 
 /** A designation with a clearance group, a shaft fit and an oil by grade give the numbers that `resolve` shows. */
 async function orderedByName(page) {
-  const designation = page.getByLabel('Designation');
+  const designation = page.locator('#designation');
   await designation.focus();
   await page.waitForFunction(() => document.querySelectorAll('#designations option').length === 394);
   await designation.fill('6206-2RS/C3');
@@ -579,6 +579,39 @@ async function surfaces(page) {
 }
 
 /** A shaft: drawn, moved by keys and pointer, analysed with each edit, run in time, and opened from the list. */
+/** Bearings of a shaft by designation, and loads at a place. */
+async function namedOnShaft(page) {
+  await tab(page, 'shaft');
+  await page.locator('.rotor table').first().waitFor({ timeout: 30000 });
+  const loads = async () => (await shaftRequest(page)).scene.operation.loads;
+  await page.locator('summary', { hasText: 'Loads at a place' }).click();
+  await page.getByRole('button', { name: 'Add load' }).click();
+  assert.deepEqual(await loads(), [{ at_mm: 145, direction: 'y', constant_n: 100 }]);
+  await ofShaft(page, '/scene/operation/loads/0/constant_n').fill('');
+  await page.locator('summary', { hasText: /^Shock$/ }).click();
+  for (const [name, value] of [['peak_n', '50'], ['at_s', '0.1'], ['duration_s', '0.001']])
+    await ofShaft(page, `/scene/operation/loads/0/shock/${name}`).fill(value);
+  assert.deepEqual(await loads(), [{ at_mm: 145, direction: 'y', shock: { peak_n: 50, at_s: 0.1, duration_s: 0.001 } }]);
+  await page.locator('.analysis:not(.stale)').waitFor();
+  await picture(page, 'load at a place');
+  await page.getByRole('button', { name: 'Remove load 1' }).click();
+  assert.equal(await loads(), undefined);
+  ok('a shock at a place of the shaft is added and removed');
+
+  const designation = page.locator('#s-scene-bearings-0-bearing-designation');
+  await designation.fill('7008C');
+  await designation.press('Tab');
+  const angle = await ofShaft(page, '/scene/bearings/0/bearing/contact_angle_deg').getAttribute('id');
+  await page.waitForFunction((id) => document.getElementById(id).placeholder === '15', angle);
+  assert.equal((await shaftRequest(page)).scene.bearings[0].bearing, '7008C');
+  await page.locator('.analysis:not(.stale)').waitFor();
+  await accessible(page, 'a bearing of the shaft by designation');
+  await designation.fill('7206');
+  await designation.press('Tab');
+  await page.locator('#s-scene-bearings-0-bearing-error', { hasText: '7206A' }).waitFor();
+  ok('a bearing of the shaft goes by designation; an unknown one has suggestions');
+}
+
 async function shaft(page) {
   await tab(page, 'shaft');
   const natural = page.locator('.rotor table').first();
@@ -980,6 +1013,7 @@ try {
       [(page) => uncertainty(page, tools), '/v1/jobs'],
       [orderedByName, '/v1/scenes/resolve'],
       [surfaces, '/v1/scenes/resolve'],
+      [namedOnShaft, '/v1/rotor'],
       [shaft, '/v1/rotor'],
       [housing, '/v1/rotor'],
       [rigidSpindle, '/v1/rotor'],

@@ -146,6 +146,9 @@ export function pairOf(text) {
   return numbers.length === 2 && numbers.every(Number.isFinite) ? numbers : null;
 }
 
+/** A number of five digits without spaces between groups. */
+export const plain = (value) => number(value, 5).replaceAll('\u202f', '');
+
 /** A typed number with a point, without spaces between groups of digits. A comma that may separate thousands stays. */
 export function plainNumber(text) {
   const plain = text.trim().replaceAll(/(?<=\d)\s(?=\d{3})/g, '').replace('−', '-');

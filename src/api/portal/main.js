@@ -116,6 +116,7 @@ async function start() {
   const shaft = new Shaft(at('panel-shaft'), {
     ...panels,
     presets,
+    catalogue,
     report: openReport,
     request: address.shaft && ofJob(address.shaft),
     onChange: (request) => {

@@ -1,10 +1,11 @@
 // The form: a view of the request. It writes edits into the request and shows the defaults of the service as placeholders. Errors
 // appear at the field of their pointer.
 
+import { designationField } from './designation.js';
 import { h, select } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
 import { field, Fields, focusFirstError, idOf, offered, ownDimensions, readNumber, textInput } from './form.js';
-import { number, PAIR, pairOf, plainNumber, words } from './format.js';
+import { PAIR, pairOf, plain, plainNumber, words } from './format.js';
 import { rampOf, withRamp } from './ramp.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
@@ -86,35 +87,13 @@ export class SceneForm {
     return this.#fields.add(BEARING, preset);
   }
 
-  /** A field for designations, with those of the catalogue as suggestions. They are fetched when the field is first used. */
   #designation() {
-    this.suggestions = h('datalist', { id: 'designations' });
-    this.designation = h('input', { type: 'text', list: 'designations', autocomplete: 'off', spellcheck: 'false', maxlength: '40' });
-    this.designation.addEventListener('focus', () => this.#suggest(), { once: true });
-    this.designation.addEventListener('change', () => this.#chooseDesignation());
     const help = 'A bearing of the catalogue, with suffixes if you like: 6206-2RS/C3, 7008C. C2 to C5 set the clearance group.';
-    const one = field({ id: 'designation', label: 'Designation', input: this.designation, help, isWide: true });
-    one.element.append(this.suggestions);
-    return one.element;
-  }
-
-  async #suggest() {
-    try {
-      const { bearings } = await this.catalogue();
-      const size = (one) => [one.bore_mm, one.outer_diameter_mm, one.width_mm].map(plain).join(' × ');
-      const text = (one) => `${size(one)} mm, C ${plain(one.c_iso281_kn)} kN, ${one.confidence} confidence`;
-      this.suggestions.replaceChildren(...bearings.map((one) => h('option', { value: one.designation }, text(one))));
-    } catch {
-      // A designation can be typed without suggestions.
-    }
-  }
-
-  #chooseDesignation() {
-    const name = this.designation.value.trim();
-    if (!name) return;
-    this.#fields.giveUp();
-    this.#update(write(this.job, BEARING, name));
-    this.designation.value = '';
+    const choose = (name) => {
+      this.#fields.giveUp();
+      this.#update(write(this.job, BEARING, name));
+    };
+    return designationField({ id: 'designation', list: 'designations', help, catalogue: this.catalogue, choose });
   }
 
   #choosePreset() {
@@ -211,8 +190,6 @@ function shown(spec, value) {
   if (spec.pair && Array.isArray(value)) return value.join(PAIR);
   return typeof value === 'object' ? 'profile' : String(value);
 }
-
-const plain = (value) => number(value, 5).replaceAll('\u202f', '');
 
 /** Whether the text of a field already has the value: `500.` and `500` are equal. */
 function same(spec, text, value) {

@@ -1,5 +1,6 @@
 // The form of a shaft: its lists and single fields. It writes edits into the request; errors appear at the field of their pointer.
 
+import { designationField } from './designation.js';
 import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
 import { field, Fields, focusFirstError, idOf, offered, openAround, ownDimensions, textInput } from './form.js';
@@ -19,8 +20,8 @@ export class ShaftForm {
   #parts = [];
 
   /** `onChange(request)` gets every changed request. */
-  constructor(host, { document: openapi, presets, onChange }) {
-    Object.assign(this, { host, openapi, presets, onChange });
+  constructor(host, { document: openapi, presets, catalogue, onChange }) {
+    Object.assign(this, { host, openapi, presets, catalogue, onChange });
     // The service's document decides: what it does not describe is left out.
     this.known = LISTS.filter(({ of }) => openapi.components.schemas[of]).map((list) => ({
       ...list,
@@ -201,7 +202,7 @@ export class ShaftForm {
       'fieldset',
       { class: 'item' },
       h('legend', {}, `${item} ${index + 1}`),
-      pointer === BEARINGS && this.#bearing(`${here}/bearing`),
+      pointer === BEARINGS && [this.#bearing(`${here}/bearing`), this.#designation(`${here}/bearing`)],
       h('div', { class: fields.length === 3 ? 'fields three' : 'fields' }, inside(fields, of)),
       error,
       groups.map((group) => more(group.summary, h('div', { class: 'fields' }, inside(group.fields, group.of)))),
@@ -220,6 +221,13 @@ export class ShaftForm {
       label: 'Bearing',
       ofValue: (value) => offered(input, typeof value === 'string' ? value : (value?.preset ?? OWN)),
     });
+  }
+
+  /** A bearing of the catalogue by its designation. */
+  #designation(pointer) {
+    const id = `${idOf('s', pointer)}-designation`;
+    const choose = (name) => this.#change(write(this.request, pointer, name));
+    return designationField({ id, list: `${id}s`, label: 'or by designation', catalogue: this.catalogue, choose });
   }
 
   #field(pointer, spec) {

@@ -201,6 +201,42 @@ export const LISTS = [
     fresh: (request) => ({ at_mm: place(request, 0.5), unbalance_g_mm: 5 }),
   },
   {
+    pointer: '/scene/operation/loads',
+    title: 'Loads at a place',
+    item: 'Load',
+    of: 'LoadInput',
+    fields: [
+      at,
+      field('direction', 'Direction', '', { choices: [...DIRECTIONS, ['about_y', 'about y'], ['about_z', 'about z']] }),
+      field('constant_n', 'Constant force', 'N'),
+      field('constant_n_m', 'or moment', 'N·m'),
+    ],
+    more: [
+      {
+        summary: 'Harmonic',
+        of: 'HarmonicLoadInput',
+        fields: [
+          field('harmonic/amplitude_n', 'Amplitude of the force', 'N'),
+          field('harmonic/amplitude_n_m', 'or of the moment', 'N·m'),
+          field('harmonic/frequency_hz', 'Frequency', 'Hz'),
+          field('harmonic/order', 'or order', ''),
+          field('harmonic/phase_deg', 'Phase', '°', { fallback: '0' }),
+        ],
+      },
+      {
+        summary: 'Shock',
+        of: 'ShockInput',
+        fields: [
+          field('shock/peak_n', 'Largest force', 'N'),
+          field('shock/peak_n_m', 'or moment', 'N·m'),
+          field('shock/at_s', 'Begins at', 's'),
+          field('shock/duration_s', 'Duration', 's'),
+        ],
+      },
+    ],
+    fresh: (request) => ({ at_mm: place(request, 0.5), direction: 'y', constant_n: 100 }),
+  },
+  {
     pointer: '/scene/supports',
     title: 'Linear supports',
     item: 'Support',

@@ -9,7 +9,7 @@ import { Result } from './result.js';
 import { RotorView } from './rotor.js';
 import { ShaftDrawing } from './shaft-drawing.js';
 import { ShaftForm } from './shaft-form.js';
-import { EXAMPLE, machineJob, ofJob, rotorJob } from './shaft-request.js';
+import { EXAMPLE, listAt, machineJob, ofJob, rotorJob } from './shaft-request.js';
 
 /** Pause in typing after which the shaft is analysed [ms]. */
 const TYPING_PAUSE = 250;
@@ -22,11 +22,14 @@ const at = (id) => document.getElementById(id);
 
 export class Shaft {
   /** `request`: the first request, or null for the example; `onChange(request)` gets every changed one, `onOpen(job)` every job shown. */
-  constructor(panel, { document: openapi, presets, request, say, onChange, onOpen, report }) {
-    Object.assign(this, { say, onChange, onOpen, report });
+  constructor(panel, { document: openapi, presets: known, catalogue, request, say, onChange, onOpen, report }) {
+    // Bearings of the catalogue join those of the presets.
+    const presets = { ...known, bearings: { ...known.bearings } };
+    Object.assign(this, { presets, say, onChange, onOpen, report });
     this.form = new ShaftForm(at('shaft-fields'), {
       document: openapi,
       presets,
+      catalogue,
       onChange: (changed) => this.#changed(changed),
     });
     this.drawing = new ShaftDrawing(at('shaft-drawing'), {
@@ -206,6 +209,18 @@ export class Shaft {
     this.rotorHost.classList.remove('stale');
     this.note.textContent = note;
     this.rotor.show(answer, request);
+    this.#measure(request).catch((error) => this.say(error.message));
+  }
+
+  /** Fetches the dimensions of bearings that go by a designation, and draws them. */
+  async #measure(request) {
+    const names = listAt(request, '/scene/bearings').map(({ bearing }) => (typeof bearing === 'string' ? bearing : bearing?.preset));
+    const unknown = [...new Set(names)].filter((name) => name && !this.presets.bearings[name]);
+    for (const name of unknown) {
+      const { scene } = await api.resolve({ scene: { bearing: name, operation: { speed_rpm: 0 } } });
+      this.presets.bearings[name] = { bearing: scene.bearing };
+    }
+    if (unknown.length) this.#show();
   }
 
   #showErrors(errors) {
