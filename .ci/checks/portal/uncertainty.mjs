@@ -15,6 +15,7 @@ const SAMPLES = 16;
 const [LEVEL, LOAD] = ['/channels/spindle.y.acceleration/level_db', '/contacts/inner/max_load_n'];
 const GROUP = '/bearing/radial_clearance_um';
 const MASS = '/spindle/mass_kg';
+const LOAD_Y = '/operation/radial_load_y_n';
 
 /** Presses Tab until an element has the focus, as a user of the keyboard does. */
 async function tabTo(page, element) {
@@ -58,7 +59,7 @@ export async function uncertainty(page, { ok, accessible, picture, noLeftovers, 
     await page.keyboard.type(text);
   };
   await keys(panel.getByRole('combobox', { name: 'Task' }), 'uncertainty');
-  const [first, second] = ['Input 1', 'Input 2'].map((name) => panel.getByRole('group', { name }));
+  const [first, second, third] = ['Input 1', 'Input 2', 'Input 3'].map((name) => panel.getByRole('group', { name }));
   await keys(first.getByRole('combobox', { name: 'Parameter', exact: true }), 'Mass');
   await keys(first.getByRole('combobox', { name: 'Distribution', exact: true }), 'uniform');
   await keys(first.getByRole('textbox', { name: 'From', exact: true }), '0,6');
@@ -67,6 +68,12 @@ export async function uncertainty(page, { ok, accessible, picture, noLeftovers, 
   await page.keyboard.press('Enter');
   await keys(second.getByRole('combobox', { name: 'Distribution', exact: true }), 'clearance');
   await keys(second.getByRole('combobox', { name: 'Group', exact: true }), 'C3');
+  await tabTo(page, panel.getByRole('button', { name: 'Add input' }));
+  await page.keyboard.press('Enter');
+  await keys(third.getByRole('combobox', { name: 'Parameter', exact: true }), 'Radial load y');
+  await keys(third.getByRole('combobox', { name: 'Distribution', exact: true }), 'discrete');
+  await keys(third.getByRole('textbox', { name: 'Values', exact: true }), '400; 500; 600');
+  await keys(third.getByRole('textbox', { name: 'Weights', exact: true }), '1; 2; 1');
   const samples = panel.getByRole('spinbutton', { name: 'Samples' });
   await keys(samples, '20');
   await tabTo(page, panel.getByRole('checkbox', { name: 'Largest ball load, inner' }));
@@ -95,6 +102,7 @@ export async function uncertainty(page, { ok, accessible, picture, noLeftovers, 
   assert.deepEqual(request.inputs, [
     { path: MASS, distribution: { type: 'uniform', from: 0.6, to: 0.74 } },
     { path: GROUP, distribution: { type: 'clearance_group', group: 'C3' } },
+    { path: LOAD_Y, distribution: { type: 'discrete', values: [400, 500, 600], weights: [1, 2, 1] } },
   ]);
   assert.deepEqual([request.samples, request.design, request.seed, request.metrics], [SAMPLES, 'sobol', 1, [LEVEL, LOAD]]);
   const { metrics, messages } = await of('/uncertainty');
@@ -128,10 +136,10 @@ export async function uncertainty(page, { ok, accessible, picture, noLeftovers, 
         else assertShown(text, ends[end], `${name}: P${percentile}, ${end}`);
       });
     const ranking = await rowsOf(result.getByRole('table', { name: `Ranking of the inputs: ${name}` }));
-    const labels = { [MASS]: 'Mass, kg', [GROUP]: 'Clearance, µm' };
+    const labels = { [MASS]: 'Mass, kg', [GROUP]: 'Clearance, µm', [LOAD_Y]: 'Radial load y, N' };
     for (const { input, share, share_interval: [from, to], sign } of api.sensitivity.inputs) {
       const [shownSign, shownShare, interval] = ranking.get(labels[input]);
-      assert.equal(shownSign, sign > 0 ? '+' : '−');
+      assert.equal(shownSign, sign === undefined ? '–' : sign > 0 ? '+' : '−');
       assertShown(shownShare, share, `${name}: share of ${input}`);
       interval.split(' to ').forEach((text, i) => assertShown(text, [from, to][i], `${name}: interval of ${input}`));
     }

@@ -11,8 +11,6 @@ import { VariedField } from './varied-axis.js';
 
 /** The field that a clearance group describes. */
 const CLEARANCE = '/scene/bearing/radial_clearance_um';
-/** Fields with a distribution of numbers. Samples of whole numbers would be refused. */
-const UNCERTAIN = VARIED.filter(({ whole }) => !whole);
 /** Deviation of an input as it opens, as a share of the range of a slider: small enough for samples with which most scenes can be built. */
 const DEVIATION = 0.05;
 /** Digits of a value as it opens. */
@@ -29,7 +27,12 @@ const FIELDS = {
   plus: ['Plus', (value, deviation) => deviation],
   minus: ['Minus', (value, deviation) => deviation],
   group: ['Group'],
+  values: ['Values', (value, deviation) => [value - deviation, value, value + deviation]],
+  weights: ['Weights'],
 };
+/** Fields that are lists of numbers. */
+const LISTS = ['values', 'weights'];
+const SEPARATOR = ';';
 /** Fields that each distribution takes. */
 const DISTRIBUTIONS = {
   normal: ['mean', 'standard_deviation', 'from', 'to'],
@@ -37,17 +40,20 @@ const DISTRIBUTIONS = {
   triangular: ['from', 'mode', 'to'],
   lognormal: ['mean', 'standard_deviation'],
   tolerance: ['nominal', 'plus', 'minus'],
+  discrete: ['values', 'weights'],
   clearance_group: ['group'],
 };
-/** Whether a normal distribution is cut at this number; it need not be cut. */
-const isCut = (type, name) => type === 'normal' && ['from', 'to'].includes(name);
+/** Placeholder of a field that may stay empty: a normal distribution need not be cut, and weights are equal. */
+const placeholder = (type, name) => {
+  if (type === 'normal' && ['from', 'to'].includes(name)) return 'not cut';
+  return name === 'weights' ? 'equal' : '';
+};
 
 class UncertainInput extends VariedField {
   constructor({ remove, ...settings }) {
     super({
       ...settings,
       label: 'Parameter',
-      fields: UNCERTAIN,
       onChange: () => {
         this.#offer();
         this.reset();
@@ -73,7 +79,9 @@ class UncertainInput extends VariedField {
 
   /** Offers the distributions of the field, and keeps the chosen one if it is among them. */
   #offer() {
-    const offered = Object.keys(DISTRIBUTIONS).filter((type) => type !== 'clearance_group' || this.field.value === CLEARANCE);
+    // Whole numbers have values of a list only, and a clearance group describes one field.
+    const isFor = (type) => (type === 'clearance_group' ? this.field.value === CLEARANCE : type === 'discrete' || !this.spec.whole);
+    const offered = Object.keys(DISTRIBUTIONS).filter(isFor);
     const chosen = offered.find((type) => type === this.distribution.value) ?? offered[0];
     this.distribution.replaceChildren(...offered.map((type) => h('option', { value: type }, words(type))));
     this.distribution.value = chosen;
@@ -91,9 +99,12 @@ class UncertainInput extends VariedField {
     const middle = typeof value === 'number' ? value : (from + to) / 2;
     const control = (name) => {
       if (name === 'group') return this.#group();
-      const start = Math.max(FIELDS[name][1](middle, DEVIATION * (to - from)), schema.minimum ?? -Infinity);
-      const text = isCut(type, name) ? { placeholder: 'not cut' } : { value: Number(start.toPrecision(DIGITS)) };
-      return h('input', { type: 'text', inputmode: 'decimal', class: 'short', autocomplete: 'off', ...text });
+      const empty = placeholder(type, name);
+      const deviation = this.spec.whole ? 1 : DEVIATION * (to - from);
+      const number = (start) => Number(Math.max(start, schema.minimum ?? -Infinity).toPrecision(DIGITS));
+      const text = empty ? { placeholder: empty } : { value: [FIELDS[name][1](middle, deviation)].flat().map(number).join(`${SEPARATOR} `) };
+      const shape = LISTS.includes(name) ? {} : { class: 'short', inputmode: 'decimal' };
+      return h('input', { type: 'text', autocomplete: 'off', ...shape, ...text });
     };
     this.controls = Object.fromEntries(DISTRIBUTIONS[type].map((name) => [name, control(name)]));
     const shown = Object.entries(this.controls).map(([name, one]) => labelled(FIELDS[name][0], one));
@@ -111,9 +122,13 @@ class UncertainInput extends VariedField {
   get value() {
     const entry = ([name, { value: text }]) => {
       if (name === 'group') return [name, text];
-      const { value, error } = readNumber(text);
-      if (error) throw new Error(`${this.place}, ${FIELDS[name][0].toLowerCase()}: ${error}`);
-      return [name, value];
+      const number = (one) => {
+        const { value, error } = readNumber(one);
+        if (error) throw new Error(`${this.place}, ${FIELDS[name][0].toLowerCase()}: ${error}`);
+        return value;
+      };
+      if (!LISTS.includes(name)) return [name, number(text)];
+      return [name, text.trim() ? text.split(SEPARATOR).map(number) : undefined];
     };
     const fields = Object.fromEntries(Object.entries(this.controls).map(entry));
     return { path: this.path, distribution: { type: this.distribution.value, ...fields } };
@@ -150,7 +165,7 @@ export class UncertaintyForm {
   /** Adds an input of a field that is not uncertain yet, the clearance first; returns it. */
   #add() {
     const isFree = (pointer) => !this.inputs.some(({ field }) => field.value === pointer);
-    const pointer = [CLEARANCE, ...UNCERTAIN.map((one) => one.pointer)].find(isFree);
+    const pointer = [CLEARANCE, ...VARIED.map((one) => one.pointer)].find(isFree);
     const input = new UncertainInput({ ...this.settings, pointer, remove: (one) => this.#remove(one) });
     this.inputs.push(input);
     this.#show();
