@@ -67,6 +67,10 @@ class Latest {
   }
 }
 
+/** Fields that set the play of a bearing: one of the first two, or those by which a clearance group sets it. */
+const SAME_PLAY = ['/scene/bearing/radial_clearance_um', '/scene/bearing/contact_angle_deg'];
+const PLAY_BY_GROUP = ['radial_clearance_group', 'fits', 'temperatures'].map((name) => `/scene/bearing/${name}`);
+
 export class Slider {
   /** `request()` returns the request of the form, `resolved()` its resolved form; `apply(job)` puts a position into the form. */
   constructor(host, { document, request, resolved, apply, say }) {
@@ -222,8 +226,8 @@ export class Slider {
   #job(value, bare = false) {
     const spec = this.#spec();
     let job = write(this.request(), spec.pointer, Number(value.toPrecision(5)));
-    if (spec.pointer.endsWith('radial_clearance_um')) job = write(job, '/scene/bearing/contact_angle_deg', undefined);
-    if (spec.pointer.endsWith('contact_angle_deg')) job = write(job, '/scene/bearing/radial_clearance_um', undefined);
+    if (SAME_PLAY.includes(spec.pointer))
+      for (const other of [...SAME_PLAY, ...PLAY_BY_GROUP].filter((one) => one !== spec.pointer)) job = write(job, other, undefined);
     if (bare) return job;
     const tolerance = this.tolerance.value;
     return {
