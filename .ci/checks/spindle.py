@@ -46,7 +46,7 @@ with service() as running, tempfile.TemporaryDirectory() as directory:
     printed = done.stdout.split("--- end of block\n")[:-1]
     for part, found, text in zip(parts, printed, stated, strict=True):
         check(alike(found, text), f"{part.strip().splitlines()[-1][:60]} prints {found.split(chr(10))[:-1]}, stated {text.split(chr(10))[:-1]}")
-    for name, words in (("campbell.svg", ["forward", "backward", "1×"]), ("shapes.svg", ["748", "forward"]),
+    for name, words in (("campbell.svg", ["forward", "backward", "1×"]), ("shapes.svg", ["747.", "forward"]),
                         ("spectrum.svg", ["BPFO@A"]), ("envelope.svg", ["BPFO@A"]), ("housing-spectrum.svg", ["sensor.acc", "BPFO@A"])):
         texts = "".join(xml.etree.ElementTree.parse(os.path.join(directory, name)).getroot().itertext())
         check(all(word in texts for word in words), f"{name} shows {', '.join(words)}")
