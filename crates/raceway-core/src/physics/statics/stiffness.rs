@@ -67,13 +67,12 @@ impl RingBearing {
         ];
         for (meridian, at, across, traction) in tractions {
             let (sine, cosine) = at.direction;
-            for row in 0..UNKNOWNS {
+            for (row, entries) in rise.iter_mut().enumerate() {
                 let (axial, radius) = meridian.by[row];
                 let towards = sine * axial + cosine * radius;
-                for column in 0..UNKNOWNS {
+                for (column, entry) in entries.iter_mut().enumerate() {
                     let (axial, radius) = meridian.bend[row.max(column)][row.min(column)];
-                    let turned = cosine * axial - sine * radius - towards * across[column] / at.distance;
-                    rise[row][column] -= traction * turned;
+                    *entry -= traction * (cosine * axial - sine * radius - towards * across[column] / at.distance);
                 }
             }
         }
