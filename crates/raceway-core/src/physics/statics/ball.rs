@@ -35,8 +35,6 @@ pub struct RingBearing {
     /// Places in a ball spacing that are averaged.
     pub(super) places: usize,
     pub(super) pitch_radius: f64,
-    ball_radius: f64,
-    pub(super) ball_mass: f64,
     pub(super) rolling: Rolling,
     /// Speed of the outer ring [rad/s].
     outer_speed: f64,
@@ -168,8 +166,6 @@ impl RingBearing {
             balls: parameters.ball_count,
             places: PLACES,
             pitch_radius: 0.5 * parameters.pitch_diameter,
-            ball_radius: 0.5 * diameter,
-            ball_mass: bearing.ball_mass,
             rolling: Rolling::new(bearing),
             outer_speed: 0.0,
             axial_play: bearing.groove_centre_distance * bearing.free_contact_angle.sin(),
@@ -221,7 +217,7 @@ impl RingBearing {
     /// Penetration under a load over the ball's radius, the larger of both raceways [-].
     pub(super) fn relative_depth(&self, load: f64) -> f64 {
         let softest = self.inner.hertz.stiffness.min(self.outer.hertz.stiffness);
-        (load / softest).powf(2.0 / 3.0) / self.ball_radius
+        (load / softest).powf(2.0 / 3.0) / self.rolling.ball_radius
     }
 
     /// Place of a ball [m], axial and radius less the pitch radius, on the line between both grooves' centres.

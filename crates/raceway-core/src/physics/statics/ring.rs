@@ -182,7 +182,7 @@ impl RingState {
         if frequency == 0.0 {
             return DynamicStiffness { stiffness: self.stiffness.mean, damping: self.damping(damping) };
         }
-        let inertia = self.bearing.ball_mass * frequency * frequency;
+        let inertia = self.bearing.rolling.ball_mass * frequency * frequency;
         let part = |part: fn(Complex<f64>) -> f64| {
             self.mean(|touch, stiffness| {
                 stiffness.condensed_at(touch, damping, frequency, inertia).map(|row| row.map(part))

@@ -13,7 +13,8 @@ pub(super) struct Rolling {
     /// Ratio of the orbit speed in ideal rolling [-].
     ideal_orbit: f64,
     pub(super) ball_radius: f64,
-    ball_mass: f64,
+    pub(super) ball_mass: f64,
+    ball_inertia: f64,
     /// Balls roll at their loaded contact angles. Otherwise they orbit as in ideal rolling and have no gyroscopic moment.
     pub(super) at_loaded_angles: bool,
 }
@@ -32,6 +33,7 @@ impl Rolling {
             ideal_orbit: kinematics::ideal_orbit_ratio(bearing),
             ball_radius: 0.5 * bearing.parameters.ball_diameter,
             ball_mass: bearing.ball_mass,
+            ball_inertia: bearing.ball_inertia,
             at_loaded_angles: true,
         }
     }
@@ -60,7 +62,7 @@ impl Rolling {
         let orbit = speeds.carried(orbit);
         // I_b θ̇ ω_r about the orbit, over the arm of both tractions.
         let radial_spin = spin * speeds.relative() * axis.1 / axis.0.hypot(axis.1);
-        let traction = 0.4 * self.ball_mass * self.ball_radius * orbit * radial_spin;
+        let traction = self.ball_inertia * orbit * radial_spin / self.ball_radius;
         let load = at.inner.load + at.outer.load;
         let share = |raceway: &InGroove| if load > 0.0 { traction * raceway.load / load } else { 0.0 };
         RollingForces {

@@ -110,8 +110,8 @@ fn gyroscopic_moments_soften_a_bearing_under_constant_thrust() {
     }
 }
 
-/// The full dynamics of the same bearing under 200 N and a small harmonic thrust, 100 Hz, at 5000 and 10 000 r/min: 54.26 and 15.87 N/µm with the
-/// default traction, 15.92 N/µm with Coulomb's over 0.01 m/s. Ideal rolling is 3 and 29 % stiffer.
+/// Stiffness in the full dynamics of the same bearing under 200 N and a small harmonic thrust (`benches/modes/axial_stiffness.py`). Ideal rolling
+/// is 3 and 29 % stiffer at 5000 and 10 000 r/min.
 #[test]
 fn a_bearing_at_speed_is_as_soft_as_in_the_full_dynamics() {
     let mut bearing = RingBearing::new(&angular_of(GCR15, GCR15));
