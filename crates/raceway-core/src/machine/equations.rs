@@ -1,7 +1,7 @@
 //! The equations of motion of a machine: each bearing at the motion of its rings, shaft and housing under their loads.
 
 use super::bearing::{BearingOnShaft, ReducedModel, bearings};
-use super::frame::Frame;
+use super::frame::{Frame, OuterPort};
 use super::input::{Machine, MachineError};
 use crate::numerics::ode::OdeSystem;
 use crate::physics::operation::SpeedProfile;
@@ -55,9 +55,13 @@ impl MachineDynamics {
     /// Motion of the rings of a bearing, in its own axes, by the coordinates.
     #[inline(always)]
     pub(crate) fn rings(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> Rings {
-        let motion = |port: usize| [place, velocity].map(|vector| self.frame.ports[port].of_place(vector));
-        let outer = self.frame.outer[bearing].as_ref().map(|outer| motion(outer.port));
-        self.bearings[bearing].rings(motion(bearing), outer)
+        let ports = &self.frame.ports;
+        let inner = [ports[bearing].of_place(place), ports[bearing].of_place(velocity)];
+        let outer = match &self.frame.outer[bearing] {
+            None => None,
+            Some(OuterPort { port, .. }) => Some([ports[*port].of_place(place), ports[*port].of_place(velocity)]),
+        };
+        self.bearings[bearing].rings(inner, outer)
     }
 
     /// Adds the forces of the rings of a bearing on the coordinates.

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::input::{Machine, MachineError, Part, Sensor};
-use crate::numerics::lanes::LANES;
+use super::padded::{Coupling, Rows, Square};
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
 use crate::physics::loads::{Load, VaryingLoads};
@@ -47,10 +47,6 @@ pub struct Frame {
     basis: DMatrix<f64>,
 }
 
-/// Displacements of a place by each coordinate, padded, so that one pass over the coordinates gives all of them.
-#[derive(Debug, Clone)]
-pub struct Rows(Vec<[f64; LANES]>);
-
 /// An outer ring that moves.
 #[derive(Debug, Clone, Copy)]
 pub struct OuterPort {
@@ -59,17 +55,6 @@ pub struct OuterPort {
     /// Its displacements at rest.
     pub rest: [f64; PORT],
 }
-
-/// A matrix `constant` + Ω `by_speed`.
-#[derive(Debug, Clone)]
-struct Coupling {
-    constant: Columns,
-    by_speed: Columns,
-}
-
-/// Columns of a square matrix, each from its first entry to its last one that is not zero.
-#[derive(Debug, Clone)]
-struct Columns(Vec<(usize, Vec<f64>)>);
 
 /// A place of the shaft, and the changes of its loads since the start.
 #[derive(Debug, Clone)]
@@ -120,12 +105,12 @@ impl Frame {
         });
         Ok(Self {
             velocity: Coupling {
-                constant: Columns::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
-                by_speed: Columns::of(&turned(system.gyroscopic())),
+                constant: Square::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
+                by_speed: Square::of(&turned(system.gyroscopic())),
             },
             place: Coupling {
-                constant: Columns::of(&turned(&(stiffness - symmetric))),
-                by_speed: Columns::of(&turned(system.rotating())),
+                constant: Square::of(&turned(&(stiffness - symmetric))),
+                by_speed: Square::of(&turned(system.rotating())),
             },
             ports: inner.chain(outer_rows).collect(),
             outer,
@@ -200,92 +185,6 @@ impl Frame {
             0.5 * (velocity[k] * velocity[k] + self.squares[k] * place[k] * place[k]) - self.load[k] * place[k]
         };
         (0..self.len()).map(of).sum()
-    }
-}
-
-impl Rows {
-    fn of(matrix: &DMatrix<f64>) -> Self {
-        let of = |column: usize| std::array::from_fn(|row| if row < PORT { matrix[(row, column)] } else { 0.0 });
-        Self((0..matrix.ncols()).map(of).collect())
-    }
-
-    /// Displacements, or velocities, of the place.
-    #[inline(always)]
-    pub fn of_place(&self, coordinates: &[f64]) -> [f64; PORT] {
-        let length = self.0.len().min(coordinates.len());
-        let ((pairs, last), (values, last_value)) =
-            (self.0[..length].as_chunks::<2>(), coordinates[..length].as_chunks::<2>());
-        // Two sums side by side: one would wait for itself with each coordinate.
-        let mut sums = [[0.0; LANES]; 2];
-        for (pair, values) in pairs.iter().zip(values) {
-            for side in 0..2 {
-                for lane in 0..LANES {
-                    sums[side][lane] += pair[side][lane] * values[side];
-                }
-            }
-        }
-        for (by, value) in last.iter().zip(last_value) {
-            for lane in 0..LANES {
-                sums[0][lane] += by[lane] * value;
-            }
-        }
-        std::array::from_fn(|row| sums[0][row] + sums[1][row])
-    }
-
-    /// Adds the forces on the coordinates of forces at the place.
-    #[inline(always)]
-    pub fn add_forces(&self, wrench: &[f64; PORT], forces: &mut [f64]) {
-        let [x, y, z, about_y, about_z] = wrench;
-        for (force, by) in forces.iter_mut().zip(&self.0) {
-            *force += (x * by[0] + y * by[1]) + (z * by[2] + (about_y * by[3] + about_z * by[4]));
-        }
-    }
-
-    /// Displacements of this place by forces at another, each coordinate with its weight.
-    pub fn compliance(&self, other: &Self, weights: &[f64]) -> [[f64; PORT]; PORT] {
-        let sum = |row: usize, column: usize| -> f64 {
-            self.0.iter().zip(&other.0).zip(weights).map(|((a, b), weight)| a[row] * b[column] * weight).sum()
-        };
-        std::array::from_fn(|row| std::array::from_fn(|column| sum(row, column)))
-    }
-}
-
-impl Coupling {
-    /// Subtracts the product of the matrix at a speed with a vector.
-    #[inline(always)]
-    fn subtract(&self, speed: f64, vector: &[f64], forces: &mut [f64]) {
-        self.constant.subtract(1.0, vector, forces);
-        self.by_speed.subtract(speed, vector, forces);
-    }
-}
-
-impl Columns {
-    fn of(matrix: &DMatrix<f64>) -> Self {
-        let column = |column: usize| {
-            let entries: Vec<f64> = matrix.column(column).iter().copied().collect();
-            let first = entries.iter().position(|entry| *entry != 0.0).unwrap_or_default();
-            let end = entries.iter().rposition(|entry| *entry != 0.0).map_or(first, |last| last + 1);
-            (first, entries[first..end].to_vec())
-        };
-        Self((0..matrix.ncols()).map(column).collect())
-    }
-
-    /// Largest sum of the magnitudes in a row.
-    fn largest_row(&self) -> f64 {
-        let mut sums = vec![0.0; self.0.len()];
-        for (first, column) in &self.0 {
-            sums[*first..].iter_mut().zip(column).for_each(|(sum, entry)| *sum += entry.abs());
-        }
-        sums.into_iter().fold(0.0, f64::max)
-    }
-
-    /// Subtracts the product of a factor, the matrix and a vector. Sums over rows, one for each column, need no sum across lanes.
-    #[inline(always)]
-    fn subtract(&self, factor: f64, vector: &[f64], forces: &mut [f64]) {
-        for (value, (first, column)) in vector.iter().zip(&self.0).filter(|(_, (_, column))| !column.is_empty()) {
-            let by = factor * value;
-            forces[*first..].iter_mut().zip(column).for_each(|(force, entry)| *force -= by * entry);
-        }
     }
 }
 

@@ -5,6 +5,7 @@
 
 pub mod channel;
 pub mod codes;
+pub mod cost;
 pub mod inapplicable;
 pub mod input;
 pub mod result;
@@ -17,6 +18,7 @@ pub mod bearing;
 pub mod equations;
 pub mod frame;
 pub mod level;
+pub mod padded;
 pub mod start;
 
 mod growth;

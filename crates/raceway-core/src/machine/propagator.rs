@@ -10,7 +10,7 @@ pub(crate) const NODES: usize = 3;
 #[derive(Debug, Clone)]
 pub(crate) struct Propagator {
     /// e^{hA} of each coordinate over its place and velocity, row by row.
-    pub own: Vec<[f64; 4]>,
+    pub own: [Vec<f64>; 4],
     /// Shares of the force at the nodes, newest first, in place and velocity.
     pub place: [Vec<f64>; NODES],
     pub velocity: [Vec<f64>; NODES],
@@ -19,7 +19,7 @@ pub(crate) struct Propagator {
 impl Propagator {
     /// `known`: number of nodes, the new one included, of which 1 to `NODES` are used.
     pub fn new(squares: &[f64], damping: &[f64], step: f64, known: usize) -> Self {
-        let mut shares = Self { own: Vec::new(), place: Default::default(), velocity: Default::default() };
+        let mut shares = Self { own: Default::default(), place: Default::default(), velocity: Default::default() };
         for (square, damping) in squares.iter().zip(damping) {
             let matrix = [0.0, step, -square * step, -damping * step];
             let functions = phi(&matrix, 2);
@@ -27,7 +27,8 @@ impl Propagator {
             // e^Z = 1 + Z φ₁.
             let product =
                 |row: usize, column: usize| matrix[2 * row] * one[column] + matrix[2 * row + 1] * one[2 + column];
-            shares.own.push([1.0 + product(0, 0), product(0, 1), product(1, 0), 1.0 + product(1, 1)]);
+            let own = [1.0 + product(0, 0), product(0, 1), product(1, 0), 1.0 + product(1, 1)];
+            shares.own.iter_mut().zip(own).for_each(|(entries, entry)| entries.push(entry));
             // ∫ e^{A(h−t)} (0, 1) (t/h)^m dt = h m! φ_{m+1} (0, 1).
             let moments = |row: usize| {
                 [1.0, 1.0, 2.0]
@@ -54,18 +55,20 @@ impl Propagator {
     #[inline(always)]
     pub fn advance(&self, place: &mut [f64], velocity: &mut [f64], forces: [&[f64]; NODES]) {
         // Slices of one known length need no check in the loop.
-        let size = self.own.len();
+        let size = self.own[0].len();
         let (place, velocity) = (&mut place[..size], &mut velocity[..size]);
         let forces = forces.map(|forces| &forces[..size]);
         let [to_place, to_velocity] =
             [&self.place, &self.velocity].map(|shares| shares.each_ref().map(|of| &of[..size]));
-        let sum = |shares: &[&[f64]; NODES], k: usize| -> f64 {
-            (0..NODES).map(|node| shares[node][k] * forces[node][k]).sum()
-        };
+        let [by_place, by_velocity, back, own] = self.own.each_ref().map(|of| &of[..size]);
         for k in 0..size {
-            let ([by_place, by_velocity, back, own], q, v) = (self.own[k], place[k], velocity[k]);
-            place[k] = by_place * q + by_velocity * v + sum(&to_place, k);
-            velocity[k] = back * q + own * v + sum(&to_velocity, k);
+            let (q, v) = (place[k], velocity[k]);
+            // No closure: one that is called apart has no lanes.
+            let [new, now, before] = [forces[0][k], forces[1][k], forces[2][k]];
+            let [to_q, to_v] = [&to_place, &to_velocity];
+            place[k] =
+                by_place[k] * q + by_velocity[k] * v + (to_q[0][k] * new + to_q[1][k] * now + to_q[2][k] * before);
+            velocity[k] = back[k] * q + own[k] * v + (to_v[0][k] * new + to_v[1][k] * now + to_v[2][k] * before);
         }
     }
 
@@ -105,7 +108,7 @@ mod tests {
             let place = |t: f64| t * t;
             let velocity = |t: f64| 2.0 * t;
             let force = |t: f64| 2.0 + damping * step * velocity(t) + square * step * step * place(t);
-            let [to_place, by_velocity, back, own] = propagator.own[0];
+            let [to_place, by_velocity, back, own] = propagator.own.each_ref().map(|of| of[0]);
             let (q, v) = (place(0.5), velocity(0.5));
             let nodes = [1.5, 0.5, -0.5].map(force);
             let sum =

@@ -2,7 +2,6 @@
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::frame::Rows;
 use super::input::Machine;
 use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
@@ -55,6 +54,7 @@ pub(crate) struct Recorder<'m> {
     samples: usize,
     decimator: Decimator,
     course: Course,
+    places: Places,
     frame: Vec<f64>,
     signals: Vec<Vec<f64>>,
     bearings: Vec<BearingRecord>,
@@ -73,6 +73,11 @@ impl<'m> Recorder<'m> {
         Self {
             sensors: machine.sensors.iter().map(|sensor| sensor.axis).collect(),
             course: Course::new(channels.len()),
+            places: Places {
+                rings: vec![Moved::default(); dynamics.bearings.len()],
+                sensors: vec![Moved::default(); dynamics.frame.sensors.len()],
+                bodies: vec![Moved::default(); dynamics.frame.bodies.len()],
+            },
             frame: vec![0.0; channels.len()],
             signals: channels.iter().map(|_| Vec::with_capacity(values)).collect(),
             bearings: vec![BearingRecord::default(); dynamics.bearings.len()],
@@ -143,16 +148,17 @@ impl<'m> Recorder<'m> {
     #[inline(always)]
     fn gather_by(&mut self, stepper: &MachineStepper<'_>) {
         let [place, velocity, acceleration] = stepper.coordinates();
-        let dynamics = self.dynamics;
-        let frame = &dynamics.frame;
-        let at = |rows: &Rows| Moved {
-            displacement: rows.of_place(place),
-            velocity: rows.of_place(velocity),
-            acceleration: rows.of_place(acceleration),
-        };
-        let rings: Vec<Moved> = frame.ports.iter().map(at).collect();
-        let sensors: Vec<Moved> = frame.sensors.iter().map(at).collect();
-        let bodies: Vec<Moved> = frame.bodies.iter().map(at).collect();
+        let frame = &self.dynamics.frame;
+        let Places { rings, sensors, bodies } = &mut self.places;
+        for (places, rows) in
+            [(&mut *rings, &frame.ports), (&mut *sensors, &frame.sensors), (&mut *bodies, &frame.bodies)]
+        {
+            for (moved, rows) in places.iter_mut().zip(rows) {
+                moved.displacement = rows.of_place(place);
+                moved.velocity = rows.of_place(velocity);
+                moved.acceleration = rows.of_place(acceleration);
+            }
+        }
         let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };
         let time = stepper.time();
         for (value, channel) in self.frame.iter_mut().zip(&self.channels) {
@@ -221,7 +227,15 @@ impl Task for Gather<'_, '_, '_> {
     }
 }
 
+/// Motion of the places of the signals, in the order of their rows.
+struct Places {
+    rings: Vec<Moved>,
+    sensors: Vec<Moved>,
+    bodies: Vec<Moved>,
+}
+
 /// Motion of a place of the shaft.
+#[derive(Clone, Default)]
 struct Moved {
     displacement: [f64; 5],
     velocity: [f64; 5],

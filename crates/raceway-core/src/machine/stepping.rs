@@ -12,10 +12,11 @@ use nalgebra::DMatrix;
 use super::bearing_stepper::BearingStepper;
 use super::equations::MachineDynamics;
 use super::frame::Frame;
+use super::padded::Rows;
 use super::port::{PortLoad, Predicted, Resistance};
 use super::propagator::{NODES, Propagator};
 use crate::numerics::dense::solve;
-use crate::numerics::lanes::{InstructionSet, Task};
+use crate::numerics::lanes::{InstructionSet, LANES, Task};
 use crate::numerics::ode::adams::ahead;
 use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::statics::Matrix;
@@ -107,12 +108,12 @@ struct Scratch {
 struct Formulas {
     propagator: Propagator,
     ahead: [f64; NODES],
-    /// Displacements and velocities of the ports in the step by forces at the new node, row by row.
-    places: Vec<f64>,
-    velocities: Vec<f64>,
-    /// Accelerations of the ports by the same forces, row by row, and the shares of each port's own radial ones in its place and velocity; of bearings
-    /// whose load depends on accelerations.
-    accelerations: Vec<f64>,
+    /// Displacements and velocities of the ports in the step by forces at the new node.
+    places: Compliances,
+    velocities: Compliances,
+    /// Accelerations of the ports by the same forces, and the shares of each port's own radial ones in its place and velocity; of bearings whose load
+    /// depends on accelerations.
+    accelerations: Option<Compliances>,
     shares: Vec<Shares>,
 }
 
@@ -120,37 +121,63 @@ impl Formulas {
     fn new(dynamics: &MachineDynamics, step: f64, known: usize) -> Self {
         let frame = &dynamics.frame;
         let propagator = Propagator::new(&frame.squares, &frame.damping, step, (known + 1).min(NODES));
-        let size = PORT * frame.ports.len();
-        let compliance = |weights: &[f64]| {
-            let mut matrix = vec![0.0; size * size];
-            for (row, one) in frame.ports.iter().enumerate() {
-                for (column, other) in frame.ports.iter().enumerate() {
-                    for (i, entries) in one.compliance(other, weights).into_iter().enumerate() {
-                        let at = (PORT * row + i) * size + PORT * column;
-                        matrix[at..at + PORT].copy_from_slice(&entries);
-                    }
-                }
-            }
-            matrix
-        };
-        let (places, velocities) = (compliance(&propagator.place[0]), compliance(&propagator.velocity[0]));
-        let (mut accelerations, mut shares) = (Vec::new(), Vec::new());
+        let compliances = |weights: &[f64]| Compliances::of(frame, weights);
+        let (places, velocities) = (compliances(&propagator.place[0]), compliances(&propagator.velocity[0]));
+        let (mut accelerations, mut shares) = (None, Vec::new());
         if dynamics.needs_accelerations() {
             let of_mode = |k: usize| {
                 1.0 - frame.damping[k] * propagator.velocity[0][k] - frame.squares[k] * propagator.place[0][k]
             };
-            accelerations = compliance(&(0..frame.len()).map(of_mode).collect::<Vec<f64>>());
+            let by_force = compliances(&(0..frame.len()).map(of_mode).collect::<Vec<f64>>());
             // Over Y and Z together.
-            let radial = |matrix: &[f64], port: usize| -> f64 {
-                [1, 2].map(|axis| matrix[(PORT * port + axis) * (size + 1)]).iter().sum()
-            };
+            let radial = |of: &Compliances, port: usize| of.block(port, port)[1][1] + of.block(port, port)[2][2];
             let share = |port: usize| {
-                let own = radial(&accelerations, port);
+                let own = radial(&by_force, port);
                 Shares { place: radial(&places, port) / own, velocity: radial(&velocities, port) / own }
             };
             shares = (0..dynamics.bearings.len()).map(share).collect();
+            accelerations = Some(by_force);
         }
         Self { propagator, ahead: ahead(known), places, velocities, accelerations, shares }
+    }
+}
+
+/// Motion of every port by forces at every port: a block for each pair of them, its rows padded.
+struct Compliances {
+    ports: usize,
+    blocks: Vec<[[f64; LANES]; PORT]>,
+}
+
+impl Compliances {
+    /// By forces that move each coordinate by its weight.
+    fn of(frame: &Frame, weights: &[f64]) -> Self {
+        let of_port = |port: &Rows| frame.ports.iter().map(|by| port.compliance(by, weights)).collect::<Vec<_>>();
+        Self { ports: frame.ports.len(), blocks: frame.ports.iter().flat_map(of_port).collect() }
+    }
+
+    /// Motion of a port by forces at another.
+    fn block(&self, port: usize, by: usize) -> &[[f64; LANES]; PORT] {
+        &self.blocks[port * self.ports + by]
+    }
+
+    /// Adds the product of a matrix of a port with this to the rows of the port in a square matrix.
+    #[inline(always)]
+    fn add_product(&self, sum: &mut [f64], port: usize, matrix: &Matrix) {
+        let size = PORT * self.ports;
+        let rows = sum[PORT * port * size..][..PORT * size].chunks_exact_mut(size);
+        for (row, entries) in rows.zip(matrix) {
+            for (sums, block) in row.as_chunks_mut::<PORT>().0.iter_mut().zip(&self.blocks[port * self.ports..]) {
+                let mut products = [0.0; LANES];
+                for (entry, by) in entries.iter().zip(block) {
+                    for lane in 0..LANES {
+                        products[lane] += entry * by[lane];
+                    }
+                }
+                for k in 0..PORT {
+                    sums[k] += products[k];
+                }
+            }
+        }
     }
 }
 
@@ -162,31 +189,31 @@ pub(super) fn stiffness_of_step(dynamics: &MachineDynamics, step: f64) -> f64 {
     let mut product = vec![0.0; size * size];
     let Some(point) = dynamics.frame.system.operating.first() else { return 0.0 };
     for (index, (bearing, ring)) in dynamics.bearings.iter().zip(&point.rings).enumerate() {
-        let stiffness = bearing.mounted.along_shaft(&ring.stiffness.mean);
-        add_product(&mut product, PORT * index, &stiffness, &places);
+        places.add_product(&mut product, index, &bearing.mounted.along_shaft(&ring.stiffness.mean));
     }
     let eigenvalues = DMatrix::from_row_slice(size, size, &product).complex_eigenvalues();
     eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
-/// A matrix over the ports of the rings as one over the displacements of the inner rings from the outer ones.
-fn between_rings(dynamics: &MachineDynamics, of_ports: &[f64]) -> Vec<f64> {
-    let frame = &dynamics.frame;
-    let (ports, size) = (PORT * frame.ports.len(), PORT * dynamics.bearings.len());
+/// Compliances of the ports of the rings as those of the inner rings from the outer ones.
+fn between_rings(dynamics: &MachineDynamics, of_ports: &Compliances) -> Compliances {
+    let bearings = dynamics.bearings.len();
     let signs = |bearing: usize| {
-        let outer = frame.outer[bearing].as_ref().map(|outer| (outer.port, -1.0));
+        let outer = dynamics.frame.outer[bearing].as_ref().map(|outer| (outer.port, -1.0));
         [(bearing, 1.0)].into_iter().chain(outer)
     };
-    let mut between = vec![0.0; size * size];
-    for (entry, sum) in between.iter_mut().enumerate() {
-        let (row, column) = (entry / size, entry % size);
-        for (port, sign) in signs(row / PORT) {
-            for (other, other_sign) in signs(column / PORT) {
-                *sum += sign * other_sign * of_ports[(PORT * port + row % PORT) * ports + PORT * other + column % PORT];
+    let block = |pair: usize| {
+        let mut between = [[0.0; LANES]; PORT];
+        for (port, sign) in signs(pair / bearings) {
+            for (by, other_sign) in signs(pair % bearings) {
+                let entries = of_ports.block(port, by).as_flattened();
+                let sums = between.as_flattened_mut().iter_mut();
+                sums.zip(entries).for_each(|(sum, entry)| *sum += sign * other_sign * entry);
             }
         }
-    }
-    between
+        between
+    };
+    Compliances { ports: bearings, blocks: (0..bearings * bearings).map(block).collect() }
 }
 
 impl<'m> MachineStepper<'m> {
@@ -315,8 +342,7 @@ impl<'m> MachineStepper<'m> {
         let size = PORT * frame.ports.len();
         matrix.fill(0.0);
         (0..size).for_each(|k| matrix[k * size + k] = 1.0);
-        let needs_accelerations = !formulas.accelerations.is_empty();
-        if needs_accelerations {
+        if formulas.accelerations.is_some() {
             accelerations(frame, &new.sum, place, velocity, foreseen);
         }
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
@@ -325,7 +351,7 @@ impl<'m> MachineStepper<'m> {
                 acceleration: [0.0; 2],
                 shares: Shares::default(),
             };
-            if needs_accelerations {
+            if formulas.accelerations.is_some() {
                 let [_, y, z, _, _] = frame.ports[index].of_place(foreseen);
                 (predicted.acceleration, predicted.shares) = ([y, z], formulas.shares[index]);
             }
@@ -338,10 +364,10 @@ impl<'m> MachineStepper<'m> {
                     change[rows + k] = force - new.ports[rows + k];
                 }
                 let Resistance { stiffness, damping, slope } = resistance;
-                add_product(matrix, rows, &stiffness, &formulas.places);
-                add_product(matrix, rows, &damping, &formulas.velocities);
-                if let Some(slope) = slope {
-                    add_product(matrix, rows, &slope, &formulas.accelerations);
+                formulas.places.add_product(matrix, port, &stiffness);
+                formulas.velocities.add_product(matrix, port, &damping);
+                if let Some((slope, by_force)) = slope.zip(formulas.accelerations.as_ref()) {
+                    by_force.add_product(matrix, port, &slope);
                 }
             }
         }
@@ -432,9 +458,12 @@ impl Forces {
 /// Writes the accelerations of the coordinates under forces.
 #[inline(always)]
 fn accelerations(frame: &Frame, forces: &[f64], place: &[f64], velocity: &[f64], accelerations: &mut [f64]) {
-    accelerations.copy_from_slice(forces);
-    for (k, acceleration) in accelerations.iter_mut().enumerate() {
-        *acceleration -= frame.damping[k] * velocity[k] + frame.squares[k] * place[k];
+    // Slices of one known length need no check in the loop.
+    let size = accelerations.len();
+    let (forces, place, velocity) = (&forces[..size], &place[..size], &velocity[..size]);
+    let (damping, squares) = (&frame.damping[..size], &frame.squares[..size]);
+    for k in 0..size {
+        accelerations[k] = forces[k] - (damping[k] * velocity[k] + squares[k] * place[k]);
     }
 }
 
@@ -442,18 +471,5 @@ fn accelerations(frame: &Frame, forces: &[f64], place: &[f64], velocity: &[f64],
 fn add_port_forces(dynamics: &MachineDynamics, ports: &[f64], forces: &mut [f64]) {
     for (rows, wrench) in dynamics.frame.ports.iter().zip(ports.as_chunks::<PORT>().0) {
         rows.add_forces(wrench, forces);
-    }
-}
-
-/// Adds to the rows of a port the product of its matrix with the same rows of another matrix.
-#[inline(always)]
-fn add_product(sum: &mut [f64], first_row: usize, matrix: &Matrix, other: &[f64]) {
-    let size = other.len().isqrt();
-    for (row, entries) in matrix.iter().enumerate() {
-        for (k, entry) in entries.iter().enumerate() {
-            for column in 0..size {
-                sum[(first_row + row) * size + column] += entry * other[(first_row + k) * size + column];
-            }
-        }
     }
 }
