@@ -23,6 +23,7 @@ ANSWERS = {
     "WaterfallAnswer": "`GET /v1/jobs/{id}/waterfall`",
     "MeasurementComparison": "`POST /v1/jobs/{id}/comparison`",
     "RotorAnswer": "`POST /v1/rotor`, and `GET /v1/jobs/{id}/rotor`",
+    "MachinePlanAnswer": "`POST /v1/machine/resolve`",
     "MachineJobAnswer": "`GET /v1/jobs/{id}/machine`",
     "CatalogueAnswer": "`GET /v1/catalogue`",
 }

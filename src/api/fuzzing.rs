@@ -29,8 +29,8 @@ use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
 use super::{conditional, error_layers, plots, portal, preview, scenes};
 use crate::contract::answer::signals::SpectrumScaling;
 use crate::contract::{
-    Measurement, SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_rotor_request,
-    parse_scene_request,
+    Measurement, SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_machine_request,
+    parse_rotor_request, parse_scene_request,
 };
 
 /// The service.
@@ -92,6 +92,7 @@ fn router() -> Router {
         .route("/v1/jobs/{id}/rotor.py", get(rotor_script))
         .route("/v1/jobs/{id}/comparison", post(comparison))
         .route("/v1/rotor", post(rotor))
+        .route("/v1/machine/resolve", post(machine))
         .route("/v1/preview", post(preview))
         .route("/v1/series", get(without_job).post(upload_series))
         .route("/v1/series/{hash}", get(uploaded).delete(uploaded))
@@ -145,6 +146,12 @@ async fn resolve(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody
 async fn rotor(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     parse_rotor_request(&body, &Uploads::stand_in())?;
+    Ok(StatusCode::OK.into_response())
+}
+
+async fn machine(headers: HeaderMap, _: Query<NoQuery>, JsonBody(body): JsonBody) -> Result<Response, ApiError> {
+    negotiated(&headers, &[JSON])?;
+    parse_machine_request(&body, &Uploads::stand_in())?;
     Ok(StatusCode::OK.into_response())
 }
 

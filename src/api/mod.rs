@@ -22,6 +22,7 @@ mod job_response;
 mod limits;
 /// Filters and pages of a job list.
 mod list_query;
+mod machine;
 /// The OpenAPI document beside the operations.
 mod openapi;
 /// Threads of runs that are shown and not kept.

@@ -65,8 +65,8 @@ pub async fn analyse(
     Ok(Json(analysed.await??).into_response())
 }
 
-/// A rotor that passes every check of its fields, but has no result.
-fn refused(failure: RunFailure) -> ApiError {
+/// A shaft that passes every check of its fields, but has no result.
+pub(super) fn refused(failure: RunFailure) -> ApiError {
     let error = FieldError::new("/scene", failure.to_string());
     Refusal::Invalid { errors: vec![error] }.into()
 }

@@ -21,8 +21,8 @@ use super::app::App;
 use super::error::ApiError;
 use super::stored_answer::NPY;
 use super::{
-    auth, batch, comparison, concurrency, conditional, cors, error_layers, events, health, jobs, openapi, orders,
-    plots, portal, preview, request, request_id, results, rotor, scenes, studies, uploaded_series,
+    auth, batch, comparison, concurrency, conditional, cors, error_layers, events, health, jobs, machine, openapi,
+    orders, plots, portal, preview, request, request_id, results, rotor, scenes, studies, uploaded_series,
 };
 
 /// Every documented route.
@@ -42,6 +42,7 @@ fn routes(app: &Option<App>) -> OpenApiRouter<App> {
         .routes(routes!(uploaded_series::upload, uploaded_series::list))
         .routes(routes!(uploaded_series::show, uploaded_series::delete))
         .routes(routes!(rotor::analyse))
+        .routes(routes!(machine::resolve))
         .routes(routes!(preview::run))
         .routes(routes!(health::live))
         .routes(routes!(health::ready))

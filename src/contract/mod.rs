@@ -13,6 +13,7 @@ pub(crate) mod json;
 
 pub use answer::failure::RunFailure;
 pub use answer::machine::{MachineAnswer, MachineOutcome};
+pub use answer::machine_plan::MachinePlanAnswer;
 pub use answer::measured::MeasuredAnswer;
 pub use answer::measured_comparison::Prediction;
 pub use answer::metrics::{ChannelAnswer, LineAnswer, Metrics};
@@ -31,14 +32,16 @@ pub use job::cost::estimate;
 pub use job::kind::JobKind;
 pub use job::measurement::Measurement;
 pub use job::parse::{
-    parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene, parse_job_with, parse_optimum_request,
-    parse_rotor_request, parse_scene_request, parse_scene_request_with, parse_study_request,
+    parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene, parse_job_with, parse_machine_request,
+    parse_optimum_request, parse_rotor_request, parse_scene_request, parse_scene_request_with, parse_study_request,
 };
 pub use job::simulation::Simulation;
 pub use job::study::Study;
 pub use json::problem::{FieldError, Refusal};
 pub use json::uploads::{Uploads, is_content_hash, named_series};
-pub use run::{Outcome, Simulated, execute, execute_point, execute_rotor, execute_simulation, scene_from_json};
+pub use run::{
+    Outcome, Simulated, execute, execute_point, execute_rotor, execute_simulation, plan_machine, scene_from_json,
+};
 pub use scene::catalogue::{CatalogueAnswer, CatalogueSearch, catalogue_answer};
 pub use scene::presets::presets_answer;
 

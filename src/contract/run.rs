@@ -13,6 +13,7 @@ use serde_json::Value;
 
 use super::answer::failure::{INTERNAL, NUMERICAL_BLOWUP, RunFailure};
 use super::answer::machine::MachineOutcome;
+use super::answer::machine_plan::MachinePlanAnswer;
 use super::answer::metrics::Metrics;
 use super::answer::optimum::OptimumAnswer;
 use super::answer::point::PointEnd;
@@ -22,6 +23,7 @@ use super::answer::views::ViewsAnswer;
 use super::answer::work_precision::modes::ModePrecisionAnswer;
 use super::answer::work_precision::result::WorkPrecisionAnswer;
 use super::job::checked::Job;
+use super::job::machine::MachineJob;
 use super::job::parse::parse_job_or_scene;
 use super::job::rotor::RotorJob;
 use super::job::simulation::{Simulation, varying_speed_rpm};
@@ -109,6 +111,13 @@ pub fn execute(job: &Job, control: &Control<'_>) -> Result<Outcome, RunFailure> 
 pub fn execute_rotor(job: &RotorJob, stop: &dyn Fn() -> bool) -> Result<RotorAnswer, RunFailure> {
     let answer = RotorAnswer::of(job, stop)?;
     check_finite("rotor", &answer)?;
+    Ok(answer)
+}
+
+/// Plans a machine job until `stop` returns true. Every number of the result is finite.
+pub fn plan_machine(job: &MachineJob, stop: &dyn Fn() -> bool) -> Result<MachinePlanAnswer, RunFailure> {
+    let answer = MachinePlanAnswer::of(job, stop)?;
+    check_finite("machine", &answer)?;
     Ok(answer)
 }
 

@@ -188,6 +188,10 @@ pub struct MachineJob {
     pub machine: Machine,
     pub settings: MachineSettings,
     pub level: LevelChoice,
+    /// The scene of each bearing.
+    pub scenes: Vec<ResolvedScene>,
+    /// Pointers to the fields that got their default.
+    pub defaults: Vec<String>,
 }
 
 /// Everything follows from the input.
@@ -206,10 +210,11 @@ impl MachineJob {
         let settings = settings(input, machine.as_ref(), defaults);
         let solver = input.solver.clone().unwrap_or_default();
         let level = solver.resolve(machine.as_ref(), defaults);
-        let (submission, input, _) = draft.finish()?;
+        let defaults = std::mem::take(&mut defaults.filled);
+        let (submission, input, resolved) = draft.finish()?;
         // Without errors there is one.
         let machine = machine.ok_or(Refusal::Invalid { errors: Vec::new() })?;
-        Ok(Self { submission, input, machine, settings, level })
+        Ok(Self { submission, input, machine, settings, level, scenes: resolved.scenes, defaults })
     }
 
     /// The job with all defaults, without the fields that concern only the service.

@@ -75,11 +75,11 @@ pub fn parse_scene_request_with(body: &[u8], uploads: &Uploads) -> Result<Job, R
     match Job::of(with_kind(JobKind::Simulation, request), uploads)? {
         Job::Rotor(_) => Err(FieldError::new("/kind", "`rotor` has nothing to resolve: post it to /v1/rotor").into()),
         Job::Modes(_) => {
-            let detail = "a scene with a `shaft` has nothing to resolve: post it to /v1/rotor, as `kind` `rotor`";
+            let detail = "a scene with a `shaft` is resolved by /v1/machine/resolve, as `kind` `machine`";
             Err(FieldError::new("/kind", detail).into())
         }
         Job::Machine(_) => {
-            let detail = "`machine` has nothing to resolve: post its scene to /v1/rotor, as `kind` `rotor`";
+            let detail = "`machine` is resolved by /v1/machine/resolve";
             Err(FieldError::new("/kind", detail).into())
         }
         job => Ok(job),
@@ -118,6 +118,11 @@ pub fn parse_rotor_request(body: &[u8], uploads: &Uploads) -> Result<Job, Refusa
         return Err(FieldError::new("/kind", "required, but missing: `rotor`").into());
     }
     of_kind(JobKind::Rotor, request, uploads)
+}
+
+/// Reads a machine job that may name these series; the request may omit its kind.
+pub fn parse_machine_request(body: &[u8], uploads: &Uploads) -> Result<Job, Refusal> {
+    of_kind(JobKind::Machine, strict::read(body)?, uploads)
 }
 
 /// Checks a job of one kind, which the request may omit.

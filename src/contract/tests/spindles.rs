@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::contract::json::problem::Refusal;
-use crate::contract::{Job, parse_job};
+use crate::contract::{Job, MachinePlanAnswer, parse_job, plan_machine};
 
 fn parsed(job: &Value) -> Result<Job, Vec<(String, String)>> {
     parse_job(job.to_string().as_bytes()).map_err(|refusal| match refusal {
@@ -207,4 +207,30 @@ fn a_machine_takes_the_level_that_can_represent_it() {
         let found = errors.iter().any(|(at, text)| at == pointer && text.contains(detail));
         assert!(found, "{pointer}: {errors:?}");
     }
+}
+
+/// A plan has the job with its defaults, what follows of each bearing, and a time that grows with the record and the levels that may be tried.
+#[test]
+fn a_machine_is_planned_without_a_run() {
+    let plan = |change: &dyn Fn(&mut Value)| {
+        let mut job = machine("machine", json!({}));
+        job["scene"]["bearings"][1]["bearing"] = json!("6205/C3");
+        change(&mut job);
+        let Ok(Job::Machine(job)) = parsed(&job) else { panic!("a machine") };
+        let answer = plan_machine(&job, &|| false).unwrap();
+        assert_eq!(parsed(&answer.job).unwrap().canonical(), job.complete().to_string());
+        answer
+    };
+    let usual = plan(&|_| {});
+    let [a, b] = &usual.bearings[..] else { panic!("two bearings") };
+    assert_eq!((a.name.as_str(), b.name.as_str()), ("A", "B"));
+    assert!(b.designation.is_some() && b.radial_clearance_um > a.radial_clearance_um);
+    assert!((a.dynamic_load_rating_n / 14_000.0 - 1.0).abs() < 0.05, "{}", a.dynamic_load_rating_n);
+    assert!((a.frequencies_hz.ball_pass_outer / 358.5 - 1.0).abs() < 0.01, "{:?}", a.frequencies_hz);
+    assert!(usual.defaults.contains(&"/duration_s".to_owned()));
+    assert!(usual.coordinates >= 4 && (usual.step_us - 5.5).abs() < 1e-9, "{usual:?}");
+    let likely = |plan: &MachinePlanAnswer| plan.cost.estimated_wall_time_s.unwrap();
+    let long = plan(&|job| job["duration_s"] = json!(2));
+    assert!(likely(&long) > 2.0 * likely(&usual) && usual.cost.most_wall_time_s.unwrap() > likely(&usual));
+    assert_eq!(plan(&|job| job["step_us"] = json!(2)).step_us, 2.0);
 }

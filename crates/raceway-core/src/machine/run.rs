@@ -312,7 +312,7 @@ impl Run<'_> {
 }
 
 /// Recorded time, and the part of it that is repeated [s].
-fn times(machine: &Machine, settings: &MachineSettings) -> [f64; 2] {
+pub(super) fn times(machine: &Machine, settings: &MachineSettings) -> [f64; 2] {
     [settings.duration, settings.duration.min(REPEATED.max(slowest_period(machine)))]
 }
 
@@ -339,7 +339,7 @@ pub(super) fn settling_time(dynamics: &MachineDynamics) -> f64 {
 
 /// First step that is tried [s]. It resolves the waves and defects of every bearing, and the correction of the ports' forces is stable where
 /// balls are in radial equilibrium.
-fn first_step(dynamics: &MachineDynamics) -> f64 {
+pub(super) fn first_step(dynamics: &MachineDynamics) -> f64 {
     let of_bearing = |bearing: &BearingOnShaft| {
         let m = bearing.dynamics.mechanism();
         let longest = bearing.reduced.as_ref().map_or(AXIAL_STEP, |reduced| reduced.model.longest_step());

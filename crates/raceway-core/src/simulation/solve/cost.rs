@@ -3,6 +3,7 @@
 
 use crate::numerics::lanes::LANES;
 use crate::numerics::ode::Method;
+use crate::physics::raceway::RacewayTerms;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::input::settings::RunSettings;
@@ -79,6 +80,19 @@ impl Cost {
     }
 }
 
+/// Wall time of one evaluation of the equations [s].
+fn evaluation_time(balls: usize, terms: &RacewayTerms) -> f64 {
+    // `LANES` balls are evaluated together.
+    let balls = balls.next_multiple_of(LANES) as f64;
+    let film = if terms.hydrodynamics { HYDRODYNAMIC } else { 1.0 };
+    film * balls * (SECONDS_PER_BALL + 2.0 * terms.strips as f64 * SECONDS_PER_POINT)
+}
+
+/// Wall time of a fixed step of the dynamics of a bearing with these terms [s].
+pub fn fixed_step_time(balls: usize, terms: &RacewayTerms) -> f64 {
+    FIXED_STEP_EVALUATIONS * evaluation_time(balls, terms)
+}
+
 /// Costs per simulated time.
 struct Rates<'a> {
     scene: &'a Scene,
@@ -92,11 +106,8 @@ impl<'a> Rates<'a> {
     /// `None` where there is no equilibrium.
     fn of(scene: &'a Scene, settings: &'a RunSettings, terms: &ActiveTerms, model: &Model) -> Option<Self> {
         let mode = start_state(model).and_then(|start| fastest_mode(model, &start)).ok()?;
-        // `LANES` balls are evaluated together.
-        let balls = scene.bearing.parameters.ball_count.next_multiple_of(LANES) as f64;
-        let contacts = 2.0 * terms.raceway.strips as f64 * SECONDS_PER_POINT;
-        let film = if terms.raceway.hydrodynamics { HYDRODYNAMIC } else { 1.0 };
-        Some(Self { scene, settings, mode, evaluation: film * balls * (SECONDS_PER_BALL + contacts) })
+        let evaluation = evaluation_time(scene.bearing.parameters.ball_count, &terms.raceway);
+        Some(Self { scene, settings, mode, evaluation })
     }
 
     /// Wall time of a candidate with its verification [s]. `unforeseen`: factor on the cost of error control [-].
