@@ -26,6 +26,7 @@ use crate::contract::answer::work_precision::reference::floors;
 use crate::contract::job::input::GoalName;
 use crate::contract::job::orders::ReferenceName;
 use crate::contract::job::outputs::EnvelopeName;
+use crate::contract::job::statistic::words;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::{
     MachineAnswer, Metrics, ModePrecisionAnswer, OptimumAnswer, SeriesAnswer, Simulated, SpectrumAnswer, SpectrumKind,
@@ -334,7 +335,9 @@ fn places(axis: &AxisAnswer) -> AxisValues {
 fn counted(table: &TableAnswer) -> String {
     let failed = table.ended - table.succeeded;
     let failed = if failed > 0 { format!(", {failed} of them failed") } else { String::new() };
-    format!("{} of {} points{failed}", table.ended, table.points)
+    let statistic =
+        table.statistic.as_ref().map_or(String::new(), |of| format!("; {} over uncertain inputs", words(of)));
+    format!("{} of {} points{failed}{statistic}", table.ended, table.points)
 }
 
 /// Metrics of a study against its axis; `None` for several axes.

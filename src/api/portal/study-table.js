@@ -63,7 +63,7 @@ export class StudyTable {
       return { axis, values, unit: axisUnit, label: [label, axisUnit].filter(Boolean).join(', ') };
     });
     const values = answer.rows.map((row) => valueAt(row.metrics, pointer) ?? null);
-    const errors = answer.rows.map((row, i) => (values[i] === null ? null : (errorOf?.(row.metrics, Math.abs(values[i])) ?? null)));
+    const errors = answer.rows.map((row, i) => (values[i] === null ? null : (errorOfRow(row, pointer, errorOf, values[i]) ?? null)));
     const yLabel = [name, unit].filter(Boolean).join(', ');
     const best = answer.best[pointer];
     const text = this.#text({ axes, yLabel, unit, best, trend: answer.trends[pointer] });
@@ -78,14 +78,14 @@ export class StudyTable {
       this.map.draw({ x, y, unit, text, best: at, value: (column, row) => values[column * y.values.length + row] });
     }
     const hasBars = axes.length === 1 && errors.some(Boolean);
-    this.caption.textContent = `${text}${hasBars ? ' Bars: estimated error.' : ''}${axes.length === 2 && best ? ' Ring: the best point.' : ''}`;
+    this.caption.textContent = `${text}${hasBars ? (answer.statistic ? ' Bars: interval of 95 %, by the longer side.' : ' Bars: estimated error.') : ''}${axes.length === 2 && best ? ' Ring: the best point.' : ''}`;
     const row = (one, i) => [
       ...axes.map(({ axis }) => (typeof one.point[axis] === 'number' ? number(one.point[axis], 5) : words(one.point[axis]))),
       values[i] === null ? (one.error?.cause ?? one.status) : number(values[i]),
       number(errors[i], 2),
       words(one.metrics?.solver?.rung ?? ''),
     ];
-    const heads = [...axes.map(({ label }) => label), yLabel, 'Estimated error', 'Model'];
+    const heads = [...axes.map(({ label }) => label), yLabel, answer.statistic ? 'Half interval' : 'Estimated error', 'Model'];
     this.rows.replaceChildren(more('Points as a table', table(`${name} of each point`, heads, answer.rows.map(row), { hidden: true })));
   }
 
@@ -95,6 +95,7 @@ export class StudyTable {
     const place = () => axes.map(({ axis, unit: axisUnit }) => placed(best.point[axis], axisUnit)).join(' and ');
     return [
       `${yLabel} over ${axes.map(({ label }) => label).join(' and ')}, ${answer.succeeded} of ${answer.points} points.`,
+      answer.statistic && `Each is the ${statisticName(answer.statistic)} over the samples of the uncertain inputs.`,
       best &&
         `Best (${best.goal.replace('_', ' ')}): ${quantity(best.value, unit)} at ${place()}${best.as_good > 1 ? `, with ${best.as_good - 1} as good within their errors` : ''}.`,
       trend?.resolved === false && 'The trend is not resolved: the errors exceed a tenth of its span.',
@@ -103,4 +104,13 @@ export class StudyTable {
       .filter(Boolean)
       .join(' ');
   }
+}
+
+/** Estimated error of a metric: of the integration, or over samples half of the statistic's interval. */
+function errorOfRow({ metrics, samples }, pointer, errorOf, value) {
+  return samples ? valueAt(samples.half_intervals, pointer) : errorOf?.(metrics, Math.abs(value));
+}
+
+function statisticName(statistic) {
+  return typeof statistic === 'string' ? statistic : `percentile ${number(statistic.percentile)}`;
 }

@@ -11,6 +11,7 @@ pub mod spectrum_view;
 pub mod views;
 
 pub mod machine;
+pub mod machine_plan;
 pub mod measured;
 pub mod measured_comparison;
 pub mod optimum;
@@ -19,6 +20,7 @@ pub mod propagation;
 pub mod ross;
 pub mod rotor;
 pub mod rotor_model;
+mod sampled_row;
 pub mod table;
 pub mod work_precision;
 

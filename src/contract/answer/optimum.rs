@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 
 use super::failure::RunFailure;
 use super::point::{PointEnd, PointError};
-use super::uncertainty::{is_best_at_zero, uncertain};
+use super::uncertainty::{is_best_at_zero, over_samples, uncertain};
 use crate::contract::job::input::GoalName;
 use crate::contract::job::robust::Robust;
 use crate::contract::job::search::{MAX_REPEATED, Search};
@@ -158,19 +158,16 @@ impl Runs<'_> {
         })
     }
 
-    /// The statistic at a point over samples; an error where more than `MANY_FAILED` of them have no value.
+    /// The statistic at a point over samples; an error where too many of them have no value.
     fn statistic(&mut self, at: &[f64], robust: &Robust, cube: &[Vec<f64>]) -> Result<PointValue, RunFailure> {
-        let of_magnitude = is_best_at_zero(&self.search.objective.metric);
         let (mut values, mut first) = (Vec::with_capacity(cube.len()), None);
         for probabilities in cube {
             let ((value, error), _) = self.simulate(self.search.sampled(at, probabilities))?;
-            values.extend(value.map(|(value, _)| if of_magnitude { value.abs() } else { value }));
+            values.push(value.map(|(value, _)| value));
             first = first.or(error);
         }
-        if cube.len() - values.len() > (MANY_FAILED * cube.len() as f64) as usize {
-            return Ok((None, first));
-        }
-        Ok((robust.statistic.of(&values), None))
+        let found = over_samples(robust.statistic, &self.search.objective.metric, &values);
+        Ok((found, first.filter(|_| found.is_none())))
     }
 }
 
@@ -212,8 +209,6 @@ impl OptimumAnswer {
     }
 }
 
-/// Share of the samples without a value beyond which a point has none.
-const MANY_FAILED: f64 = 0.05;
 /// Points that differ by less than this share of every range count as one valley.
 const SAME_VALLEY: f64 = 0.02;
 

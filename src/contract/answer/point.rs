@@ -58,6 +58,19 @@ pub struct PointError {
     pub errors: Vec<FieldError>,
 }
 
+/// What the samples of a point say.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SamplesAnswer {
+    /// Number of samples that have succeeded. A metric that more than 5 % of all samples do not have has no statistic.
+    pub succeeded: u64,
+    /// Number of samples that have failed.
+    pub failed: u64,
+    /// Half of an interval that contains the statistic with at least 95 % probability, of a percentile the longer side: numbers in the places of those of
+    /// `metrics`. It supposes independent draws; of Sobol points it is mostly too wide. A number is absent where there are too few samples.
+    #[schema(value_type = BTreeMap<String, Value>)]
+    pub half_intervals: Value,
+}
+
 impl From<RunFailure> for PointError {
     fn from(failure: RunFailure) -> Self {
         let (cause, detail) = match failure {

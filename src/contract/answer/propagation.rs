@@ -13,7 +13,7 @@ use utoipa::ToSchema;
 use super::messages::{MessageAnswer, spread};
 use super::point::PointStatus;
 use super::table::Row;
-use super::uncertainty::uncertain;
+use super::uncertainty::{MANY_FAILED, uncertain};
 use crate::contract::job::axis::AxisValue;
 use crate::contract::job::design::DesignName;
 use crate::contract::job::distribution::Sampled;
@@ -21,8 +21,6 @@ use crate::contract::job::uncertainty::Uncertainty;
 
 /// Percentiles of the answer.
 const PERCENTILES: [u32; 5] = [5, 10, 50, 90, 95];
-/// Share of points without a value beyond which percentiles carry a warning.
-const MANY_FAILED: f64 = 0.05;
 /// Integration error over the spread beyond which the spread is not resolved.
 const UNRESOLVED: f64 = 0.5;
 /// Explained share of the variance below which the ranking is not resolved.

@@ -2,19 +2,20 @@
 
 use std::collections::BTreeMap;
 
-/// Column of the codes of the warnings of a point.
-const WARNINGS: &str = "/messages/warning";
-
 use raceway_core::study::{self, Goal};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use utoipa::ToSchema;
 
-use super::point::{PointEnd, PointError, PointStatus};
+use super::point::{PointEnd, PointError, PointStatus, SamplesAnswer};
 use super::uncertainty::{is_best_at_zero, uncertain};
 use crate::contract::job::axis::AxisValue;
+use crate::contract::job::statistic::{StatisticChoice, StatisticInput};
 use crate::contract::job::study::{Layout, Study};
 use crate::contract::json::problem::escape;
+
+/// Column of the codes of the warnings of a point.
+const WARNINGS: &str = "/messages/warning";
 
 /// The response of `GET …/table`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -23,6 +24,10 @@ pub struct TableAnswer {
     pub axes: Vec<AxisAnswer>,
     /// Number of points of the grid.
     pub points: u64,
+    /// Statistic of the metrics over uncertain inputs; absent without these.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<StatisticChoice>)]
+    pub statistic: Option<StatisticInput>,
     /// Number of points that have succeeded or failed.
     pub ended: u64,
     /// Number of points that have succeeded.
@@ -57,10 +62,15 @@ pub struct Row {
     /// Whether the metrics are those of an identical finished simulation.
     #[serde(default)]
     pub reused: bool,
-    /// The metrics of the simulation, without `lines` and `left_out`; present once it has succeeded.
+    /// The metrics of the simulation, without `lines` and `left_out`; present once it has succeeded. With uncertain inputs the `statistic` of each number over
+    /// the samples, once all of them have ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<BTreeMap<String, Value>>)]
     pub metrics: Option<Value>,
+    /// What the samples of the point say; absent without uncertain inputs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub samples: Option<SamplesAnswer>,
     /// Reason why the point has no metrics.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -113,9 +123,16 @@ pub struct TrendAnswer {
 }
 
 impl Row {
-    /// The row of a point that has not started.
-    pub fn queued(study: &Study, point: usize) -> Self {
-        Self { point: named(study, point), status: PointStatus::Queued, reused: false, metrics: None, error: None }
+    /// The row of a simulation that has not started.
+    pub fn queued(study: &Study, number: usize) -> Self {
+        Self {
+            point: named(study, number / study.samples()),
+            status: PointStatus::Queued,
+            reused: false,
+            metrics: None,
+            samples: None,
+            error: None,
+        }
     }
 
     /// The row with the end of its point.
@@ -132,15 +149,21 @@ fn named(study: &Study, point: usize) -> Map<String, Value> {
 }
 
 impl TableAnswer {
-    /// From the rows of all points, in the order of the grid.
+    /// From the rows of all simulations, in the order of the grid.
     pub fn of(study: &Study, rows: Vec<Row>) -> Self {
+        let rows = match &study.robust {
+            None => rows,
+            Some(robust) => {
+                rows.chunks(study.samples()).filter_map(|runs| Row::over_samples(robust.statistic, runs)).collect()
+            }
+        };
         let count = |wanted: &[PointStatus]| rows.iter().filter(|row| wanted.contains(&row.status)).count() as u64;
         let mut best = BTreeMap::new();
         let mut trends = BTreeMap::new();
         // Of sampled points none is the best, and they are in no order.
         let compared = if matches!(study.layout, Layout::Grid(_)) { with_best(&rows) } else { Vec::new() };
         for (pointer, best_value) in compared {
-            let values: Vec<_> = rows.iter().map(|row| uncertain(row.metrics.as_ref()?, &pointer)).collect();
+            let values: Vec<_> = rows.iter().map(|row| row.uncertain(&pointer)).collect();
             if let Some(found) = best_value.of(&values) {
                 best.insert(pointer.clone(), best_answer(study, &found, &values, best_value));
             }
@@ -156,6 +179,7 @@ impl TableAnswer {
                 .map(|axis| AxisAnswer { axis: axis.varied.name.clone(), values: axis.values.clone() })
                 .collect(),
             points: rows.len() as u64,
+            statistic: study.robust.as_ref().map(|robust| robust.given_statistic.clone()),
             ended: count(&[PointStatus::Succeeded, PointStatus::Failed]),
             succeeded: count(&[PointStatus::Succeeded]),
             rows,
@@ -166,7 +190,7 @@ impl TableAnswer {
 
     /// A metric of each point and its estimated error; `None` for points without it.
     pub fn column(&self, pointer: &str) -> Vec<Option<(f64, Option<f64>)>> {
-        self.rows.iter().map(|row| uncertain(row.metrics.as_ref()?, pointer)).collect()
+        self.rows.iter().map(|row| row.uncertain(pointer)).collect()
     }
 
     /// Pointers to the text fields of the metrics that a table shows, where any point has them.
@@ -191,6 +215,18 @@ impl TableAnswer {
 }
 
 impl Row {
+    /// A metric and its estimated error: of the integration, or over samples half of the statistic's interval.
+    pub fn uncertain(&self, pointer: &str) -> Option<study::Uncertain> {
+        let metrics = self.metrics.as_ref()?;
+        match &self.samples {
+            None => uncertain(metrics, pointer),
+            Some(samples) => {
+                let half_interval = samples.half_intervals.pointer(pointer).and_then(Value::as_f64);
+                Some((metrics.pointer(pointer)?.as_f64()?, half_interval))
+            }
+        }
+    }
+
     /// The text of a column.
     pub fn text(&self, column: &str) -> Option<String> {
         let metrics = self.metrics.as_ref()?;

@@ -1,7 +1,11 @@
 //! Metrics with their estimated errors.
 
+use raceway_core::sampling::statistic::Statistic;
 use raceway_core::study::Uncertain;
 use serde_json::Value;
+
+/// Share of samples without a value beyond which a statistic says nothing, and percentiles carry a warning.
+pub const MANY_FAILED: f64 = 0.05;
 
 /// True for a metric of either sign whose best value is 0. The smallest magnitude is its minimum.
 pub fn is_best_at_zero(pointer: &str) -> bool {
@@ -46,4 +50,15 @@ pub fn uncertain(metrics: &Value, pointer: &str) -> Option<Uncertain> {
         _ => None,
     };
     Some((value, error))
+}
+
+/// The statistic of a metric over samples, of its magnitude where 0 is its best value; `None` where more than `MANY_FAILED` of them have no value.
+pub fn over_samples(statistic: Statistic, pointer: &str, samples: &[Option<f64>]) -> Option<Uncertain> {
+    let of_magnitude = is_best_at_zero(pointer);
+    let known = samples.iter().flatten().map(|value| if of_magnitude { value.abs() } else { *value });
+    let values: Vec<f64> = known.collect();
+    if (samples.len() - values.len()) as f64 > MANY_FAILED * samples.len() as f64 {
+        return None;
+    }
+    statistic.of(&values)
 }

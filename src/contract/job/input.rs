@@ -40,11 +40,12 @@ pub struct JobInput {
     /// Which extreme of the metric is searched for; of `cage_slip`, which of its magnitude. Default `minimum`.
     #[schema(nullable = false)]
     pub goal: Option<GoalName>,
-    /// Uncertain fields and their distributions, independent of each other. They make an optimum robust.
+    /// Uncertain fields and their distributions, independent of each other. With them every point of a study or an optimum is run for the same samples, and
+    /// its metrics are a `statistic` over these.
     #[schema(nullable = false, value_type = Option<Vec<UncertainInput>>, min_items = 1, max_items = 12)]
     pub inputs: Option<Vec<StrictInput>>,
-    /// Number of samples. A power of two, except for `latin_hypercube`. Default 64; 32 for a point of an optimum. `pairs` runs as many times as there are inputs, and twice more, at
-    /// most 10 000 times. One more run is that of the nominal values.
+    /// Number of samples. A power of two, except for `latin_hypercube`. Default 64; 32 for a point of a study or an optimum. A study has at most 10 000 points times samples. `pairs` runs as many times as there are inputs, and twice more, at
+    /// most 10 000 times; one more run of an uncertainty job is that of the nominal values.
     #[serde(default, deserialize_with = "whole_number::<_, MIN_SAMPLES, MAX_SAMPLES>")]
     #[schema(nullable = false, example = 64)]
     pub samples: Option<u32>,
@@ -58,7 +59,7 @@ pub struct JobInput {
     /// JSON pointers to the metrics whose distribution is asked for. Default: the level of the spindle's acceleration along y.
     #[schema(nullable = false, min_items = 1, max_items = 8, example = json!(["/channels/spindle.y.acceleration/level_db"]))]
     pub metrics: Option<Vec<String>>,
-    /// With `inputs` of an optimum: what is optimized of the metric over the inputs, `mean` or a percentile. Default: the 90th percentile.
+    /// With `inputs` of a study or an optimum: the statistic of the metrics over the inputs, `mean` or a percentile. Default: the 90th percentile.
     #[schema(nullable = false, value_type = Option<StatisticChoice>, example = json!({"percentile": 90}))]
     pub statistic: Option<StatisticInput>,
     /// Recorded time, after settling [s]. Default: 20 ball passes, at least 0.1 and at most 1; 0.02 for

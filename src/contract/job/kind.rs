@@ -87,7 +87,7 @@ impl JobKind {
     pub fn takes(self) -> &'static [&'static str] {
         match self {
             Self::Simulation | Self::Rotor | Self::Machine => &[],
-            Self::Study => &["axes"],
+            Self::Study => &["axes", "inputs", "samples", "seed", "statistic"],
             Self::Optimum => &["axes", "metric", "goal", "inputs", "samples", "seed", "statistic"],
             Self::Uncertainty => &["inputs", "samples", "design", "seed", "metrics"],
             Self::Accuracy => &["methods", "relative_tolerances", "repetitions"],

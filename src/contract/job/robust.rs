@@ -1,40 +1,43 @@
-//! What makes an optimum robust: uncertain inputs and a statistic of the metric over them.
+//! Uncertain inputs of every point of a study or an optimum, and the statistic of its metrics over them.
 
 use raceway_core::sampling::design::Design;
 use raceway_core::sampling::statistic::Statistic;
 use serde_json::{Value, json};
 
 use super::distribution::Sampled;
+use super::kind::JobKind;
+use super::many_runs::already_varied;
 use super::sampled_inputs::inputs;
 use super::simulation::Draft;
 use super::statistic::{PercentileInput, StatisticInput, in_core};
+use super::varied::Varied;
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::NameOr;
 
-/// Samples of each point of the search, and of the best ones when they are repeated.
+/// Samples of each point, and of the best ones of a search when they are repeated.
 const SAMPLES: u32 = 32;
 pub const REPEATED: usize = 256;
 /// The statistic where the request names none.
 const PERCENTILE: f64 = 90.0;
 
-/// Uncertain inputs of an optimum.
+/// Uncertain inputs of a study or an optimum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robust {
     pub inputs: Vec<Sampled>,
     pub statistic: Statistic,
     /// The statistic as in the request.
     pub given_statistic: StatisticInput,
-    /// Points in the unit cube, the same at every point of the search so that its differences are not those of the draws.
+    /// Points in the unit cube, the same at every point of the job so that its differences are not those of the draws.
     pub cube: Vec<Vec<f64>>,
-    /// More points, for the best ones.
+    /// More points, for the best ones of a search.
     pub fine: Vec<Vec<f64>>,
     /// What was given, as JSON.
     given: Value,
 }
 
 impl Robust {
-    /// The robust part of an optimum's request; `None` without `inputs`.
-    pub fn of(draft: &mut Draft) -> Option<Self> {
+    /// The uncertain part of a request of this kind, whose axes vary these fields; `None` without `inputs`.
+    pub fn of<'a>(kind: JobKind, draft: &mut Draft, axes: impl Iterator<Item = &'a Varied> + Clone) -> Option<Self> {
         if draft.input.inputs.is_none() {
             let (input, defaults) = (&draft.input, &mut draft.defaults);
             let given = [
@@ -43,11 +46,16 @@ impl Robust {
                 ("statistic", input.statistic.is_some()),
             ];
             for (field, _) in given.into_iter().filter(|(_, is_given)| *is_given) {
-                defaults.refuse(format!("/{field}"), "an optimum takes it with `inputs` only");
+                defaults.refuse(format!("/{field}"), format!("`{}` takes it with `inputs` only", kind.name()));
             }
             return None;
         }
         let inputs = inputs(draft);
+        for (place, input) in inputs.iter().enumerate() {
+            if let Some(axis) = axes.clone().find(|axis| axis.overlaps(&input.varied)) {
+                draft.defaults.refuse(format!("/inputs/{place}"), already_varied(&input.varied, axis));
+            }
+        }
         let (input, defaults) = (&mut draft.input, &mut draft.defaults);
         let samples = defaults.fill("/samples", &mut input.samples, SAMPLES);
         let seed = defaults.fill("/seed", &mut input.seed, 1);
@@ -60,6 +68,12 @@ impl Robust {
         let cube = |samples: usize| Design::Sobol.cube(inputs.len(), samples, seed);
         let (coarse, fine) = (cube(samples), cube(if samples > 0 { samples.max(REPEATED) } else { 0 }));
         Some(Self { statistic: in_core(&given_statistic), given_statistic, cube: coarse, fine, inputs, given })
+    }
+
+    /// The inputs at a sample.
+    pub fn values(&self, sample: usize) -> impl Iterator<Item = (&Varied, Value)> {
+        let point = self.cube.get(sample).map_or(&[][..], Vec::as_slice);
+        self.inputs.iter().zip(point).map(|(input, probability)| (&input.varied, input.value(*probability)))
     }
 
     /// Everything that determines the result, as JSON.

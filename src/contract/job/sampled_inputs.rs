@@ -40,15 +40,21 @@ fn bearing_of(draft: &Draft) -> Option<BoreAndLoss> {
     Some(BoreAndLoss { bore_mm, loss_um: loss.unwrap_or(0.0) })
 }
 
-/// The request whose simulations are varied: with the parts of the metrics, and without a clearance group where another one is sampled.
+/// The request whose simulations are varied: with the parts of the metrics.
 pub fn varied_request(request: &Value, parts: Value, inputs: &[Sampled]) -> Value {
-    let mut request = request.clone();
+    let mut request = without_replaced(request, inputs);
     if let Value::Object(fields) = &mut request {
         let outputs = fields.entry("outputs").or_insert_with(|| Value::Object(Map::new()));
         if let Value::Object(outputs) = outputs {
             outputs.entry("metrics").or_insert(parts);
         }
     }
+    request
+}
+
+/// The request without a clearance group where another one is sampled.
+pub fn without_replaced(request: &Value, inputs: &[Sampled]) -> Value {
+    let mut request = request.clone();
     if inputs.iter().any(|input| input.varied.name == CLEARANCE)
         && let Some(Value::Object(bearing)) = request.pointer_mut("/scene/bearing")
     {

@@ -53,8 +53,7 @@ impl Search {
         let mut draft = Draft::of(JobKind::Optimum, request, uploads)?;
         refuse_signals(JobKind::Optimum, &draft.input, &mut draft.defaults);
         let objective = Objective::of(&mut draft.input, &mut draft.defaults);
-        let robust = Robust::of(&mut draft);
-        refuse_overlaps(&objective, robust.as_ref(), &mut draft.defaults);
+        let robust = Robust::of(JobKind::Optimum, &mut draft, objective.axes.iter().map(|(varied, _)| varied));
         let settings = draft.settings();
         let base = draft.simulation(settings, model_levels)?;
         let inputs = robust.as_ref().map_or(&[][..], |robust| &robust.inputs);
@@ -147,16 +146,6 @@ impl Search {
     pub fn point(&self, at: &[f64]) -> Map<String, Value> {
         let names = self.objective.axes.iter().map(|(varied, _)| varied.name.clone());
         names.zip(self.values(at).into_iter().map(Value::from)).collect()
-    }
-}
-
-/// Refuses uncertain inputs that are varied as well.
-fn refuse_overlaps(objective: &Objective, robust: Option<&Robust>, defaults: &mut Defaults) {
-    let inputs = robust.map_or(&[][..], |robust| &robust.inputs);
-    for (place, input) in inputs.iter().enumerate() {
-        if let Some((axis, _)) = objective.axes.iter().find(|(axis, _)| axis.overlaps(&input.varied)) {
-            defaults.refuse(format!("/inputs/{place}"), already_varied(&input.varied, axis));
-        }
     }
 }
 

@@ -40,3 +40,11 @@ pub fn in_core(given: &StatisticInput) -> Statistic {
         NameOr::Object(of) => Statistic::Percentile(of.percentile / 100.0),
     }
 }
+
+/// The statistic in words.
+pub fn words(given: &StatisticInput) -> String {
+    match given {
+        NameOr::Name(StatisticName::Mean) => "mean".to_owned(),
+        NameOr::Object(of) => format!("percentile {}", of.percentile),
+    }
+}

@@ -1,5 +1,5 @@
 //! A study: a scene and the axes along which it is varied. Each point of the grid is a simulation of its own, made from the request
-//! with the values of the point in it.
+//! with the values of the point in it. With uncertain inputs it is a simulation for each sample of them.
 
 use std::collections::HashSet;
 
@@ -12,6 +12,8 @@ use super::input::JobInput;
 use super::kind::JobKind;
 use super::many_runs::{already_varied, refuse_signals};
 use super::range::Range;
+use super::robust::Robust;
+use super::sampled_inputs::{check_inputs, without_replaced};
 use super::simulation::{Draft, Simulation};
 use super::variation::Variation;
 use super::varied::{MAX_NAME, Varied, at_axis};
@@ -66,7 +68,9 @@ pub struct Study {
     pub base: Simulation,
     pub axes: Vec<Axis>,
     pub layout: Layout,
-    /// Number of points.
+    /// Uncertain inputs of each point.
+    pub robust: Option<Robust>,
+    /// Number of simulations: points of the grid times samples.
     pub points: usize,
     variation: Variation,
 }
@@ -102,6 +106,17 @@ fn axes(input: &mut JobInput, defaults: &mut Defaults) -> (Vec<Axis>, usize) {
             (axes, 0)
         }
     }
+}
+
+/// Number of simulations of a grid.
+fn simulations(points: usize, robust: Option<&Robust>, defaults: &mut Defaults) -> usize {
+    let samples = robust.map_or(1, |robust| robust.cube.len());
+    let runs = points * samples;
+    if runs > MAX_POINTS {
+        let detail = format!("{samples}: {points} points are {runs} simulations: at most {MAX_POINTS}");
+        defaults.refuse("/samples", detail);
+    }
+    runs
 }
 
 fn axis_of(axis: AxisInput, index: usize, defaults: &mut Defaults) -> Option<Axis> {
@@ -232,9 +247,13 @@ impl Study {
     pub fn of(request: Value, uploads: &Uploads) -> Result<Self, Refusal> {
         let mut draft = Draft::of(JobKind::Study, request, uploads)?;
         refuse_signals(JobKind::Study, &draft.input, &mut draft.defaults);
-        let (axes, points) = axes(&mut draft.input, &mut draft.defaults);
+        let (axes, grid_points) = axes(&mut draft.input, &mut draft.defaults);
+        let robust = Robust::of(JobKind::Study, &mut draft, axes.iter().map(|axis| &axis.varied));
+        let points = simulations(grid_points, robust.as_ref(), &mut draft.defaults);
         let settings = draft.settings();
-        let variation = draft.scene_json().map(|scene| Variation::new(&draft.request, scene, uploads));
+        let inputs = robust.as_ref().map_or(&[][..], |robust| &robust.inputs);
+        let varied = |scene| Variation::new(&without_replaced(&draft.request, inputs), scene, uploads);
+        let variation = draft.scene_json().map(varied);
         // Of a refused grid no value is checked: each check builds a scene.
         if let Some(variation) = variation.as_ref().filter(|_| points > 0) {
             refuse_values(&axes, variation, &mut draft.defaults);
@@ -242,8 +261,9 @@ impl Study {
         let base = draft.simulation(settings, model_levels)?;
         let variation =
             variation.unwrap_or_else(|| Variation::new(&base.submission.request, base.scene_json(), uploads));
+        check_inputs(inputs, &variation)?;
         let grid = Grid::new(axes.iter().map(|axis| axis.values.len()).collect());
-        let study = Self { base, axes, layout: Layout::Grid(grid), points, variation };
+        let study = Self { base, axes, layout: Layout::Grid(grid), robust, points, variation };
         study.probe()?;
         Ok(study)
     }
@@ -253,7 +273,7 @@ impl Study {
         let points = axes.first().map_or(0, |axis| axis.1.len());
         let axes = axes.into_iter().enumerate();
         let axes = axes.map(|(index, (varied, values))| Axis { varied, values, index, is_listed: true }).collect();
-        Self { base, axes, layout: Layout::List, points, variation }
+        Self { base, axes, layout: Layout::List, robust: None, points, variation }
     }
 
     /// The scene with values of some axes; faster than the whole simulation.
@@ -289,25 +309,36 @@ impl Study {
         self.base.submission.reuse
     }
 
-    /// Places of a point on the axes.
+    /// Number of simulations of each point of the grid.
+    pub fn samples(&self) -> usize {
+        self.robust.as_ref().map_or(1, |robust| robust.cube.len())
+    }
+
+    /// Places of a point of the grid on the axes.
     pub fn places(&self, point: usize) -> Vec<usize> {
         self.layout.places(point, self.axes.len())
     }
 
-    /// Values of a point, one for each axis.
+    /// Values of a point of the grid, one for each axis.
     pub fn values(&self, point: usize) -> Vec<&Value> {
         self.places(point).into_iter().zip(&self.axes).map(|(place, axis)| &axis.values[place]).collect()
     }
 
-    /// The simulation of a point.
-    pub fn point(&self, point: usize) -> Result<Simulation, Refusal> {
-        self.variation
-            .simulation(self.axes.iter().map(|axis| &axis.varied).zip(self.values(point).into_iter().cloned()))
+    /// A simulation, those of one point of the grid behind each other.
+    pub fn point(&self, number: usize) -> Result<Simulation, Refusal> {
+        let (point, sample) = (number / self.samples(), number % self.samples());
+        let of_axes = self.axes.iter().map(|axis| &axis.varied).zip(self.values(point).into_iter().cloned());
+        let of_inputs = self.robust.iter().flat_map(|robust| robust.values(sample));
+        self.variation.simulation(of_axes.chain(of_inputs))
     }
 
     /// Everything that determines the results, as JSON.
     pub fn canonical(&self) -> Value {
         let axes = self.axes.iter().map(|axis| json!({"axis": axis.varied.name, "values": axis.values}));
-        json!({ "base": self.variation.base(), "axes": axes.collect::<Vec<_>>() })
+        let mut canonical = json!({ "base": self.variation.base(), "axes": axes.collect::<Vec<_>>() });
+        if let Some(robust) = &self.robust {
+            canonical["robust"] = robust.canonical().clone();
+        }
+        canonical
     }
 }

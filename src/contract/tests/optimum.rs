@@ -236,7 +236,7 @@ fn a_robust_optimum_avoids_a_narrow_valley() {
 fn wrong_statistics_and_inputs_of_an_optimum_are_refused() {
     let mut without = robust(json!("mean"));
     without.as_object_mut().unwrap().remove("inputs");
-    assert!(refused(&without).contains("/statistic: an optimum takes it with `inputs` only"));
+    assert!(refused(&without).contains("/statistic: `optimum` takes it with `inputs` only"));
     assert!(refused(&robust(json!({ "percentile": 99.5 }))).contains("/statistic/percentile: 99.5"));
     assert!(refused(&robust(json!("median"))).contains("/statistic"));
     let mut twice = robust(json!("mean"));

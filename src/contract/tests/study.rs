@@ -294,3 +294,72 @@ fn long_lists_are_checked_in_places() {
     }
     assert_eq!(refused(1), None);
 }
+
+/// Radial loads y + z = x + u, u uniform ± ½: the narrow valley at 0 is best without scatter, the wide one at 3 with it.
+#[test]
+fn a_study_over_uncertain_inputs_shows_a_statistic_at_each_point() {
+    let mut request = request(json!([{ "path": "/operation/radial_load_y_n", "values": [0, 1.5, 3] }]));
+    request["inputs"] = json!([{ "path": "/operation/radial_load_z_n",
+        "distribution": { "type": "uniform", "from": -0.5, "to": 0.5 } }]);
+    let job = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{request}: {refusal}"));
+    let study = job.into_study().expect("a study");
+    assert_eq!((study.points, study.samples()), (96, 32));
+    let row = |number: usize| {
+        let operation = study.point(number).unwrap().scene_json()["operation"].take();
+        let z = operation["radial_load_y_n"].as_f64().unwrap() + operation["radial_load_z_n"].as_f64().unwrap();
+        let level = (20.0 * z.abs()).min(4.0 + (z - 3.0).abs());
+        Row::queued(&study, number).ended(PointEnd::Succeeded(json!({
+            "channels": { "spindle.y.acceleration": { "level_db": level, "level_error_db": 1e-3, "resolved": number != 40 } },
+            "messages": [{ "code": "a", "severity": "warning" }, { "code": if number == 40 { "b" } else { "c" } }],
+        })))
+    };
+    let failed = || PointEnd::Failed(crate::contract::RunFailure::Cancelled.into());
+    let rows = |ended: usize| (0..96).map(|k| if k < ended { row(k) } else { Row::queued(&study, k) }).collect();
+    let table = TableAnswer::of(&study, rows(96));
+    let level = "/channels/spindle.y.acceleration/level_db";
+    assert_eq!((table.points, table.ended, table.succeeded), (3, 3, 3));
+    let column = table.column(level);
+    let [narrow, _, wide] = [0, 1, 2].map(|point| column[point].unwrap());
+    // P90 of 20 |u| is 9 but for the other valley, of 4 + |u| 4.45.
+    assert!((narrow.0 - 7.4).abs() < 0.2 && (wide.0 - 4.45).abs() < 0.03, "{narrow:?} {wide:?}");
+    assert!(wide.1.is_some_and(|error| error < 0.15), "{wide:?}");
+    assert_eq!(table.best[level].point["/operation/radial_load_y_n"], json!(3));
+    let middle = &table.rows[1];
+    assert_eq!(middle.samples.as_ref().unwrap().succeeded, 32);
+    let codes: Vec<&Value> = middle.metrics.as_ref().unwrap()["messages"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|message| &message["code"])
+        .collect();
+    assert_eq!(codes, ["a", "c", "b"]);
+    assert_eq!(middle.text("/messages/warning").as_deref(), Some("a"));
+
+    let half = TableAnswer::of(&study, rows(40));
+    let statuses: Vec<_> = half.rows.iter().map(|row| serde_json::to_value(row.status).unwrap()).collect();
+    assert_eq!(statuses, ["succeeded", "running", "queued"]);
+    assert!(half.rows[1].metrics.is_none());
+    let without = (0..96).map(|k| if k < 32 { Row::queued(&study, k).ended(failed()) } else { row(k) }).collect();
+    let without = TableAnswer::of(&study, without);
+    assert_eq!((without.rows[0].error.is_some(), without.succeeded, without.ended), (true, 2, 3));
+
+    // The same samples at every point.
+    let z = |number: usize| study.point(number).unwrap().scene_json()["operation"]["radial_load_z_n"].take();
+    assert_eq!((z(3), z(3)), (z(35), z(67)));
+    let refused_with = |field: &str, value: Value| {
+        let mut wrong = request.clone();
+        wrong[field] = value;
+        refused(&wrong)
+    };
+    assert!(refused_with("samples", json!(4096)).contains("/samples: 4096: 3 points are 12288 simulations"));
+    assert!(refused_with("design", json!("sobol")).contains("/design: goes with the kind `uncertainty`"));
+    let same =
+        json!([{ "path": "/operation/radial_load_y_n", "distribution": { "type": "uniform", "from": 0, "to": 1 } }]);
+    assert!(refused_with("inputs", same).contains("/inputs/0: `/operation/radial_load_y_n` is already varied"));
+    let unknown = json!([{ "path": "/operation/nonsense", "distribution": { "type": "uniform", "from": 0, "to": 1 } }]);
+    assert!(refused_with("inputs", unknown).contains("/inputs/0/path"));
+    let mut alone = request.clone();
+    alone.as_object_mut().unwrap().remove("inputs");
+    alone["statistic"] = json!("mean");
+    assert!(refused(&alone).contains("/statistic: `study` takes it with `inputs` only"));
+}
