@@ -47,6 +47,20 @@ def case_agrees_with_the_linear_analysis(running):
     return None
 
 
+def case_plan(running):
+    body = job(duration=0.1)
+    status, _, plan = running.request("POST", "/v1/machine/resolve", body)
+    verdict(status == 200 and plan["coordinates"] > 10 and plan["step_us"] == 5.5, f"a plan: {status} {plan.get('step_us')} µs")
+    orders = [bearing["frequencies_hz"]["ball_pass_outer"] / 200 for bearing in plan["bearings"]]
+    verdict(all(abs(order - 3.585) < 1e-3 for order in orders), f"BPFO orders {orders}")
+    cost = plan["cost"]
+    verdict(0 < cost["estimated_wall_time_s"] <= cost["most_wall_time_s"], f"expected time {cost}")
+    ended = [running.ended(running.submit(one)[0]) for one in (body, plan["job"])]
+    verdict([one["status"] for one in ended] == ["succeeded"] * 2 and ended[1]["reused"], "the planned job is the same work")
+    status, _, refusal = running.request("POST", "/v1/machine/resolve", job(scene=scene(shaft={"sections": []})))
+    verdict(status == 422 and refusal["errors"][0]["pointer"].startswith("/scene/shaft"), f"refusals as those of a job: {refusal}")
+
+
 def case_spall_at_a_sensor(running):
     body = job(duration=0.1, scene=scene(first={"surfaces": SPALL}))
     run = result(running, body, "machine")

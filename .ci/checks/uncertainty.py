@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""An uncertainty job over HTTP: the numbers follow from its table, a killed service continues it, and one seed gives the same points."""
+"""An uncertainty job over HTTP: the numbers follow from its table, a killed service continues it, and one seed gives the same points. A study over
+uncertain inputs has the statistics of uncertainty jobs."""
 
 import math
 import os
@@ -70,5 +71,26 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         again, _ = service.submit(JOB)
         check(service.ended(again)["status"] == "succeeded", "the same job again")
         check(answer(service, again) == found, "gives the same answer")
+
+        # A study over the clearance: the statistic of each point is that of the runs with its values.
+        fields = {key: value for key, value in JOB.items() if key != "metrics"}
+        study = fields | {"kind": "study", "samples": 16, "statistic": "mean", "inputs": JOB["inputs"][1:], "axes": [{"path": MASS, "values": [0.04, 0.06]}]}
+        path, _ = service.submit(study)
+        check(service.ended(path)["status"] == "succeeded", "a study over uncertain inputs succeeds")
+        table = service.request("GET", f"{path}/table")[2]
+        check((table["points"], table["ended"], table["statistic"]) == (2, 2, "mean"), "each of its points is a row")
+        for row in table["rows"]:
+            mass = row["point"][MASS]
+            alone = {key: value for key, value in fields.items() if key != "design"} | {"samples": 16, "inputs": JOB["inputs"][1:], "metrics": [LEVEL]}
+            alone["scene"] = fields["scene"] | {"spindle": fields["scene"].get("spindle", {}) | {"mass_kg": mass}}
+            spread, _ = service.submit(alone)
+            check(service.ended(spread)["status"] == "succeeded", f"uncertainty at {mass} kg")
+            of = answer(service, spread)["metrics"][LEVEL]
+            level = row["metrics"]["channels"]["spindle.y.acceleration"]["level_db"]
+            half = row["samples"]["half_intervals"]["channels"]["spindle.y.acceleration"]["level_db"]
+            check(abs(level - of["mean"]) < 1e-9, f"mean level {level:.3f} dB at {mass} kg, uncertainty job {of['mean']:.3f} dB")
+            check(abs(half - 1.96 * of["standard_deviation"] / 4) < 1e-9, "half of its interval is that of the mean of 16")
+        best = table["best"][LEVEL]
+        check(best["value"] == min(row["metrics"]["channels"]["spindle.y.acceleration"]["level_db"] for row in table["rows"]), "the best point is that of the statistic")
     finally:
         service.stop()

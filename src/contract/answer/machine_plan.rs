@@ -1,7 +1,7 @@
 //! A machine before it runs: all defaults, what follows of each bearing, first step and estimated cost.
 
 use raceway_core::machine::cost::{MachinePlan, plan};
-use raceway_core::machine::input::{Machine, MachineError};
+use raceway_core::machine::input::{Machine, MachineBearing, MachineError};
 use raceway_core::physics::kinematics::{RingSpeeds, ideal_frequencies};
 use raceway_core::physics::rating::dynamic_load_rating;
 use serde::{Deserialize, Serialize};
@@ -77,7 +77,7 @@ impl MachinePlanAnswer {
         Ok(Self {
             job: job.complete(),
             defaults: job.defaults.clone(),
-            bearings: bearings.map(|(bearing, scene)| planned(&bearing.name, scene, &job.machine)).collect(),
+            bearings: bearings.enumerate().map(|(index, of)| planned(index, of, &job.machine)).collect(),
             coordinates: coordinates as u64,
             settle_s: significant(settle, 4),
             step_us: US.to_user(step),
@@ -91,16 +91,20 @@ impl MachinePlanAnswer {
     }
 }
 
-fn planned(name: &str, scene: &ResolvedScene, machine: &Machine) -> PlannedBearingAnswer {
+fn planned(
+    index: usize,
+    (MachineBearing { name, .. }, scene): (&MachineBearing, &ResolvedScene),
+    machine: &Machine,
+) -> PlannedBearingAnswer {
     let bearing = &scene.scene.bearing;
     let speeds = RingSpeeds { inner: machine.speed.at(0.0).1, outer: machine.outer_speed.at(0.0).1 };
     PlannedBearingAnswer {
-        name: name.to_owned(),
+        name: name.clone(),
         dynamic_load_rating_n: dynamic_load_rating(bearing),
         free_contact_angle_deg: DEG.to_user(bearing.free_contact_angle),
         radial_clearance_um: UM.to_user(bearing.radial_clearance),
         frequencies_hz: ideal_frequencies(bearing, speeds).into(),
-        designation: DesignationAnswer::of(scene),
+        designation: DesignationAnswer::of(scene).map(|designation| designation.of_item(index)),
         clearance: scene.ordered.clearance.as_ref().map(ClearanceAnswer::from),
         oil: scene.ordered.oil.as_ref().map(OilAnswer::from),
     }

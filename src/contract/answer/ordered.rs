@@ -91,6 +91,14 @@ const OF_CATALOGUE: [&str; 8] = [
 ];
 
 impl DesignationAnswer {
+    /// The same of an item of `scene.bearings`.
+    pub fn of_item(mut self, index: usize) -> Self {
+        for pointer in &mut self.assumptions {
+            *pointer = pointer.replacen("/scene/bearing/", &format!("/scene/bearings/{index}/bearing/"), 1);
+        }
+        self
+    }
+
     /// The designation of a scene; `None` for other bearings.
     pub fn of(scene: &ResolvedScene) -> Option<Self> {
         let Designation { bearing, suffixes } = scene.ordered.designation.as_ref()?;

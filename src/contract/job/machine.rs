@@ -102,8 +102,9 @@ impl ShaftRequest for MachineInput {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MachineSolverInput {
-    /// Model level of all bearings: `full`, the default, or a leaner one, for radial loads at a constant speed. The first 0.1 s of its record
-    /// are repeated on `full`; the result states the deviation of each level (`accuracy.model_errors_db`).
+    /// Model level of all bearings: `full`, the default, or a leaner one, for radial loads at a constant speed. The first part of its record (0.1 s, or a
+    /// turn of the shaft or a period of a load that takes longer) is repeated on `full`; the result states the deviation of each level
+    /// (`accuracy.model_errors_db`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<MachineRungName>)]
     pub rung: Option<String>,

@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 /// What a user should know about a result or a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MessageAnswer {
-    /// What it is about; programs branch on this.
+    /// Kind of the message. Programs branch on it.
     pub code: MessageCode,
     /// How much it matters.
     pub severity: Severity,
