@@ -190,13 +190,14 @@ pub(super) fn of_csv(rate_hz: Option<f64>, body: &[u8]) -> Result<Samples, Refus
     let rate_hz =
         rate_hz.ok_or_else(|| refuse("CSV needs the rate in the query: /v1/series?rate_hz=1000".to_owned()))?;
     let text = std::str::from_utf8(body).map_err(|_| refuse("the body is not UTF-8".to_owned()))?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut values = Vec::new();
     for (number, line) in text.lines().enumerate() {
         match line.trim() {
             "" => {}
             entry => match entry.parse::<f64>() {
                 Ok(value) if value.is_finite() => values.push(value),
-                _ if number == 0 => {}
+                Err(_) if number == 0 && is_heading(entry) => {}
                 _ => {
                     let entry: String = entry.chars().take(40).collect();
                     return Err(refuse(format!("line {}: `{entry}` is no finite number", number + 1)));
@@ -205,6 +206,11 @@ pub(super) fn of_csv(rate_hz: Option<f64>, body: &[u8]) -> Result<Samples, Refus
         }
     }
     samples(rate_hz, values, "")
+}
+
+/// Whether a line that is no number is a heading: it begins with a word. Anything else is a wrong value, which must not be passed over.
+fn is_heading(line: &str) -> bool {
+    line.trim_start_matches(['"', '#', ' ']).starts_with(|first: char| first.is_alphabetic() || first == '_')
 }
 
 /// `rate_pointer`: pointer to the rate in the body.
@@ -233,6 +239,9 @@ mod tests {
         let csv = of_csv(Some(1000.0), b"force_n\r\n0\r\n 12.5\n\n-3e1\n").unwrap();
         let json = of_json(None, br#"{"rate_hz": 1000, "values": [0, 12.5, -30]}"#).unwrap();
         assert_eq!(csv, json);
+        let marked = of_csv(Some(1000.0), b"\xef\xbb\xbf0\r\n12.5\r\n-30\r\n").unwrap();
+        assert_eq!(marked, json, "a byte order mark is no value");
+        assert_eq!(of_csv(Some(1000.0), b"\"Force [N]\"\n0\n12.5\n-30").unwrap(), json);
     }
 
     #[test]
@@ -241,6 +250,10 @@ mod tests {
         assert!(text(of_csv(None, b"1\n2")).contains("rate_hz"));
         assert!(text(of_csv(Some(1e3), b"1\n2;3")).contains("line 2: `2;3`"));
         assert!(text(of_csv(Some(1e3), b"1\n2\ninf")).contains("line 3"));
+        for first in ["nan", "inf", "1e999", "−3", "12 N", "1,5", ";"] {
+            let body = format!("{first}\n2\n3\n");
+            assert!(text(of_csv(Some(1e3), body.as_bytes())).contains(&format!("line 1: `{first}`")), "{first}");
+        }
         assert!(text(of_json(None, br#"{"rate_hz": 10, "values": [0, 1]}"#)).contains("must be from 100 to 200000 Hz"));
         assert!(text(of_json(None, br#"{"rate_hz": 1000, "values": [0]}"#)).contains("1 values"));
         assert!(text(of_json(Some(99.0), br#"{"rate_hz": 1000, "values": [0, 1]}"#)).contains("rate_hz 99 Hz"));
