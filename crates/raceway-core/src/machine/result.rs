@@ -288,9 +288,6 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
     best.into_iter().map(|line| line.named(machine)).collect()
 }
 
-/// Distance of two combinations in bins that no line tells apart: lines of steady motion lie within it of theirs.
-const SAME_BINS: f64 = 0.01;
-
 /// A line, and the bearings that may make it.
 struct BearingLine {
     line: Line,
@@ -300,14 +297,14 @@ struct BearingLine {
 }
 
 impl BearingLine {
-    /// Takes the combination of another bearing where that lies nearer. Of two that no line tells apart, that of the only uneven bearing is
-    /// taken, or else both.
+    /// Takes the combination of another bearing where that lies nearer. Of two within a bin, whose lines are one peak, that of the only uneven
+    /// bearing is taken, or else both.
     fn join(&mut self, other: Self, resolution: f64) {
         if other.line.label.is_empty() {
             return;
         }
         let apart = (other.line.deviation - self.line.deviation).abs();
-        if other.line.label == self.line.label && apart < SAME_BINS * resolution {
+        if other.line.label == self.line.label && apart < resolution {
             if other.is_uneven == self.is_uneven {
                 self.bearings.extend(other.bearings);
             } else if other.is_uneven {
