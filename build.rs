@@ -11,6 +11,5 @@ fn main() {
     println!("cargo::rustc-env=RACEWAY_RUSTC={}", rustc.trim());
     println!("cargo::rustc-env=RACEWAY_TARGET={}", variable("TARGET"));
     println!("cargo::rustc-env=RACEWAY_PROFILE={}", variable("PROFILE"));
-    println!("cargo::rustc-env=RACEWAY_OPT_LEVEL={}", variable("OPT_LEVEL"));
     println!("cargo::rustc-env=RACEWAY_RUSTFLAGS={}", variable("CARGO_ENCODED_RUSTFLAGS").replace('\u{1f}', " "));
 }

@@ -22,7 +22,7 @@ pub struct MachineAnswer {
     /// Build profile.
     #[schema(example = "release")]
     pub profile: String,
-    /// Optimization level.
+    /// Optimization level of the solver.
     #[schema(example = "3")]
     pub optimisation: String,
     /// Further compiler flags.
@@ -39,7 +39,7 @@ impl MachineAnswer {
             version: env!("CARGO_PKG_VERSION").into(),
             compiler: env!("RACEWAY_RUSTC").into(),
             profile: env!("RACEWAY_PROFILE").into(),
-            optimisation: env!("RACEWAY_OPT_LEVEL").into(),
+            optimisation: raceway_core::OPTIMISATION.into(),
             flags: env!("RACEWAY_RUSTFLAGS").into(),
         }
     }
