@@ -26,7 +26,7 @@ export interface ClientOptions {
   token?: string;
   /** Replaces the global `fetch`. */
   fetch?: typeof fetch;
-  /** Longest time for which a request is repeated because the service asks for it [s]. Default 120. */
+  /** Longest time for which a request is repeated because the service asks for it or cannot be reached [s]. Default 120. */
   patience_s?: number;
 }
 
@@ -56,11 +56,15 @@ export class JobFailed extends Error {
 /** Pause between two looks at a job [s]: it grows from the first to the second. */
 const FIRST_PAUSE_S = 0.05;
 const LONGEST_PAUSE_S = 0.5;
+/** Pause before a service that cannot be reached is tried again [s]. */
+const PAUSE_AWAY_S = 1;
 
 /** A service at a URL. */
 export class Client {
   readonly #url: string;
   readonly #options: ClientOptions;
+  /** Whether the service has answered before: what never answered is not away, but has another address. */
+  #hasAnswered = false;
 
   constructor(url = "http://127.0.0.1:8080", options: ClientOptions = {}) {
     this.#url = url.replace(/\/+$/, "");
@@ -69,7 +73,7 @@ export class Client {
 
   /** The succeeded job of a request. Throws `Refused` or `JobFailed`. */
   async run(request: JobRequest, options: WaitOptions = {}): Promise<Job> {
-    const submitted = await this.submit(request);
+    const submitted = await this.submit(request, options.signal === undefined ? {} : { signal: options.signal });
     const job = await this.wait(submitted, options).catch(async (error: unknown) => {
       if (options.signal?.aborted) await this.cancel(submitted);
       throw error;
@@ -78,9 +82,9 @@ export class Client {
     return job;
   }
 
-  /** The accepted job, which runs without this program. */
-  submit(request: JobRequest): Promise<Job> {
-    return this.request("POST", "/v1/jobs", { body: request });
+  /** The accepted job, which runs without this program. A repetition after a broken connection makes no second one. */
+  submit(request: JobRequest, options: { signal?: AbortSignal } = {}): Promise<Job> {
+    return this.request("POST", "/v1/jobs", { body: request, key: newKey(), ...options });
   }
 
   /** The job once it has ended, in whatever way. */
@@ -151,11 +155,14 @@ export class Client {
     return this.request("GET", "/v1/catalogue", { query });
   }
 
-  /** JSON of any path of the API. Repeats where the service says later (429, 503). */
+  /**
+   * JSON of any path of the API. Repeats where the service says later (429, 503). Where it has answered before and cannot be reached, as while it
+   * restarts, reading requests are repeated, and others with a `key`, by which the service knows a repetition.
+   */
   async request<T>(
     method: string,
     path: string,
-    { body, query, signal }: { body?: unknown; query?: object; signal?: AbortSignal } = {},
+    { body, query, signal, key }: { body?: unknown; query?: object; signal?: AbortSignal; key?: string } = {},
   ): Promise<T> {
     const { token, patience_s = 120 } = this.#options;
     const call = this.#options.fetch ?? fetch;
@@ -167,10 +174,21 @@ export class Client {
       headers["Content-Type"] = "application/json";
       request.body = JSON.stringify(body);
     }
+    if (key !== undefined) headers["Idempotency-Key"] = key;
     if (signal !== undefined) request.signal = signal;
+    signal?.throwIfAborted();
+    const isRepeatable = method === "GET" || key !== undefined;
     const deadline = Date.now() + 1000 * patience_s;
     for (;;) {
-      const answer = await call(this.#url + path + search(query), request);
+      const answer = await call(this.#url + path + search(query), request).catch((error: unknown) => {
+        if (signal?.aborted || !this.#hasAnswered || !isRepeatable || !(Date.now() + 1000 * PAUSE_AWAY_S < deadline)) throw error;
+        return null;
+      });
+      if (answer === null) {
+        await sleep(PAUSE_AWAY_S, signal);
+        continue;
+      }
+      this.#hasAnswered = true;
       if (answer.ok) return (await answer.json()) as T;
       const pause = Number(answer.headers.get("Retry-After") ?? 1);
       const isLater = answer.status === 429 || answer.status === 503;
@@ -178,6 +196,11 @@ export class Client {
       await sleep(pause, signal);
     }
   }
+}
+
+/** A key that no other request has. `crypto` is absent from Node.js 18 and from pages without TLS. */
+function newKey(): string {
+  return Array.from({ length: 4 }, () => Math.random().toString(36).slice(2)).join("");
 }
 
 function isUnfinished(job: Job): boolean {
