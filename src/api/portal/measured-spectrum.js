@@ -7,6 +7,8 @@ const LOBE = 2;
 /** … this far above the median of so many bins around it, and at least this share of the strongest line. */
 const FLOOR_FACTOR = 4;
 const FLOOR_REACH = 25;
+/** Share of an edge of a band within which a bin is at the edge. */
+const EDGE_SHARE = 1e-6;
 const LEAST_SHARE = 1e-3;
 /** Largest shift of a line against its prediction: slip, contact angle and speed move lines by about 1 %. */
 const MOST_SHIFT = 0.02;
@@ -189,8 +191,10 @@ function powerOfTwo(re, im) {
 /** Root mean squares of a spectrum in a band: of itself, and of its integral over time. */
 export function bandOf({ frequency_hz: frequency, amplitude }, from, to) {
   let [own, integral] = [0, 0];
+  // The rate of a record may be known to seven digits: an edge that meets a bin stays at it.
+  const isBelow = (f, edge) => f < edge * (1 - EDGE_SHARE);
   frequency.forEach((f, k) => {
-    if (f < from || f >= to) return;
+    if (isBelow(f, from) || !isBelow(f, to)) return;
     const square = (0.5 * amplitude[k] ** 2) / BANDWIDTH;
     own += square;
     integral += square / (2 * Math.PI * f) ** 2;
@@ -245,8 +249,9 @@ function interpolated(amplitude, bin) {
 
 const decibels = (measured, predicted) => (measured > 0 && predicted > 0 ? 20 * Math.log10(measured / predicted) : null);
 
-/** Predicted lines with their partners, by order, and the measured lines without one. `speeds_hz`: of the predicted and of the measured shaft. */
-export function comparedLines(predicted, measured, [own, other], resolution) {
+/** Predicted lines with their partners, by order, and the measured lines where the prediction has none. `known`: all lines of the predicted spectrum.
+ *  `speeds_hz`: of the predicted and of the measured shaft. */
+export function comparedLines(predicted, measured, [own, other], resolution, known = []) {
   const orders = predicted.map((line) => line.frequency_hz / own);
   const taken = new Set();
   const partners = new Map();
@@ -275,7 +280,8 @@ export function comparedLines(predicted, measured, [own, other], resolution) {
       }),
     };
   });
-  return { lines, others: measured.filter((line) => !taken.has(line)) };
+  const isKnown = (line) => known.some((one) => Math.abs(line.frequency_hz / other - one.frequency_hz / own) <= (1.5 * resolution) / other);
+  return { lines, others: measured.filter((line) => !taken.has(line) && !isKnown(line)) };
 }
 
 /** Levels of both spectra of an acceleration [m/s²] in bands `[from, to]` [Hz] that both cover. Other motions have no velocity. */

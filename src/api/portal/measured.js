@@ -176,7 +176,7 @@ export class MeasuredPanel {
     const to = Math.min(measured.highest_hz, BAND, predicted.frequency_hz.at(-1));
     const from = 2 * predicted.resolution_hz;
     const own = this.lines.filter((line) => line.channel === channel && line.frequency_hz >= from && line.frequency_hz <= to);
-    const { lines, others } = comparedLines(own, linesOf(measured, to), [this.speed, speed], predicted.resolution_hz);
+    const { lines, others } = comparedLines(own, linesOf(measured, to), [this.speed, speed], predicted.resolution_hz, linesOf(predicted, to));
     const isAcceleration = motionOf(channel) === 'acceleration';
     const levels = comparedLevels(measured, predicted, BANDS, { isAcceleration, unit: predicted.unit, from, to });
     this.figure.hidden = false;

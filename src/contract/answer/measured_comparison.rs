@@ -1,6 +1,6 @@
 //! Levels and lines of a measured record beside those of a prediction.
 
-use raceway_core::measured::lines::{MeasuredLine, PredictedLine, lines_of, partners};
+use raceway_core::measured::lines::{MeasuredLine, PredictedLine, SHIFT_BINS, lines_of, partners};
 use raceway_core::measured::record::{Division, Record};
 use raceway_core::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind, Spectrum};
 use raceway_core::simulation::recording::bands::{LOWEST_BIN, SEVERITY_BAND};
@@ -80,11 +80,16 @@ impl MeasuredAnswer {
         let speeds = [prediction.speed_hz, speed];
         let own = |line: &&LineAnswer| line.channel == predicted.channel && (from..=to).contains(&line.frequency_hz);
         let lines: Vec<&LineAnswer> = prediction.lines.iter().filter(own).collect();
-        let (lines, unmatched) = compared_lines(&lines, &spectra.amplitude, to, speeds, AMPLITUDES);
+        let (lines, mut unmatched) = compared_lines(&lines, &spectra.amplitude, to, speeds, AMPLITUDES);
+        let known = known_orders(predicted, to, prediction.speed_hz);
+        let reach = SHIFT_BINS * predicted.resolution_hz / speed;
+        unmatched.measured.retain(|line| !known.iter().any(|order| (order - line.order).abs() <= reach));
+        unmatched.measured.truncate(MOST_UNMATCHED);
         let envelope = spectra.envelope.as_ref().zip(division.envelope).map(|(spectrum, analysis)| {
             let decibels = if analysis.kind == EnvelopeKind::Squared { SQUARES } else { AMPLITUDES };
             let own: Vec<&LineAnswer> = prediction.envelope_lines.iter().filter(own).collect();
-            let (lines, unmatched) = compared_lines(&own, spectrum, to, speeds, decibels);
+            let (lines, mut unmatched) = compared_lines(&own, spectrum, to, speeds, decibels);
+            unmatched.measured.truncate(MOST_UNMATCHED);
             let unit = unit_of_envelope(&predicted.unit, analysis.kind);
             EnvelopeComparisonAnswer { unit, band_hz: vec![analysis.band.0, analysis.band.1], lines, unmatched }
         });
@@ -213,6 +218,17 @@ fn ratio(decibels: f64, measured: f64, predicted: f64) -> Option<f64> {
     (measured > 0.0 && predicted > 0.0).then(|| decibels * (measured / predicted).log10())
 }
 
+/// Orders of all lines of a predicted spectrum, which are more than its strongest ones that have labels.
+fn known_orders(predicted: &SpectrumAnswer, highest: f64, speed: f64) -> Vec<f64> {
+    let spectrum = Spectrum {
+        resolution: predicted.resolution_hz,
+        amplitude: predicted.amplitude.clone(),
+        window: "hann",
+        averages: predicted.averages,
+    };
+    lines_of(&spectrum, highest).iter().map(|line| line.frequency / speed).collect()
+}
+
 /// Predicted lines with their partners, and lines without one. `speeds`: of the predicted and of the measured shaft [Hz].
 fn compared_lines(
     predicted: &[&LineAnswer],
@@ -256,7 +272,7 @@ fn compared_lines(
     };
     let unmatched = UnmatchedLinesAnswer {
         predicted: alone.map(of_prediction).collect(),
-        measured: others.take(MOST_UNMATCHED).map(of_record).collect(),
+        measured: others.map(of_record).collect(),
     };
     (compared.collect(), unmatched)
 }

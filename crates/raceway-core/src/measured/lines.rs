@@ -7,7 +7,7 @@ use crate::simulation::result::lines::{floor, line_bins};
 /// up to 1 % (docs/how-to/compare-a-measurement.md).
 pub const MOST_SHIFT: f64 = 0.02;
 /// Shift within which a line may always lie, in bins: a line between two bins is found to a fraction of one.
-const SHIFT_BINS: f64 = 1.5;
+pub const SHIFT_BINS: f64 = 1.5;
 
 /// A line of a measured spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
