@@ -388,7 +388,8 @@ pub fn optimum(answer: &OptimumAnswer) -> String {
     let metric = metric_heading(&answer.metric);
     // The axis shows the unit.
     let named = metric.rsplit_once(" in ").map_or(&*metric, |(named, _)| named);
-    let title = format!("{} of {named}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" });
+    let of = answer.statistic.as_ref().map_or(String::new(), |statistic| format!("{} of ", words(statistic)));
+    let title = format!("{} of {of}{named}", if answer.goal == GoalName::Minimum { "Minimum" } else { "Maximum" });
     let place = |axis: &RangeAnswer| {
         let within = answer.within.as_ref().and_then(|within| within.get(&axis.axis));
         let within = within.map_or(String::new(), |[low, high]| format!(" ({low} … {high})"));
@@ -417,7 +418,7 @@ fn optimum_trend(answer: &OptimumAnswer, (title, subtitle, metric): (&str, &str,
     let panel = TrendPanel {
         // The title contains the complete name.
         quantity: metric.rsplit(": ").next().unwrap_or(metric),
-        curves: vec![TrendCurve { name: "every run", values }],
+        curves: vec![TrendCurve { name: if answer.statistic.is_some() { "every point" } else { "every run" }, values }],
         best: runs.iter().position(|run| run.point == answer.point),
         band: answer.within.as_ref().and_then(|within| within.get(&range.axis).copied()),
     };

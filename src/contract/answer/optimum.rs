@@ -59,7 +59,7 @@ pub struct OptimumAnswer {
     pub within: Option<BTreeMap<String, [f64; 2]>>,
     /// Axes whose range ends at the best point, or at a part where runs fail: there may be better points beyond.
     pub at_end_of_range: Vec<String>,
-    /// Runs outside `within` whose value may be as good.
+    /// Runs outside `within` whose value may be as good; of a robust optimum the other `repeated` points whose intervals overlap that of the result.
     pub rivals: Vec<RunAnswer>,
     /// Number of simulations.
     pub runs: u64,
@@ -262,6 +262,13 @@ fn repeated(
         error: value.and_then(|value| value.1),
         failure,
     };
+    // By the repeated runs, whose intervals are narrower than those of the search.
+    let is_rival = |(run, (other, _)): &&(usize, PointValue)| {
+        let apart =
+            |(other, error): Uncertain| (other - value).abs() <= error.unwrap_or(0.0) + answer.error.unwrap_or(0.0);
+        *run != winner && other.is_some_and(apart)
+    };
+    answer.rivals = again.iter().filter(is_rival).cloned().map(row).collect();
     answer.repeated = again.into_iter().map(row).collect();
     Ok(answer)
 }
