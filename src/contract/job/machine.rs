@@ -44,7 +44,6 @@ const MAX_VALUES: f64 = 3.2e7;
 #[schema(as = MachineJob)]
 pub struct MachineInput {
     /// What the job computes: `machine`.
-    #[schema(pattern = "^machine$")]
     pub kind: String,
     /// The shaft on its bearings. A `rotor` job takes the same scene.
     #[serde(deserialize_with = "object")]

@@ -34,7 +34,6 @@ const MAX_RANGES: usize = 12;
 #[schema(as = ShaftAccuracyJob)]
 pub struct ModeComparisonInput {
     /// What the job computes: `accuracy`.
-    #[schema(pattern = "^accuracy$")]
     pub kind: String,
     /// The shaft on its bearings, as of a `machine` job; `shaft` is required.
     #[serde(deserialize_with = "object")]

@@ -32,7 +32,6 @@ const MAX_SPEEDS: usize = 1000;
 #[schema(as = RotorJob)]
 pub struct RotorInput {
     /// What the job computes: `rotor`.
-    #[schema(pattern = "^rotor$")]
     pub kind: String,
     /// The shaft on its supports.
     #[serde(deserialize_with = "object")]

@@ -143,6 +143,9 @@ pub fn complete(schemas: &mut Schemas) {
         change(schemas, JOB, &path, &|number| set_limits(number, &limits));
     }
     split_shaft_speed(schemas);
+    for (job, kind) in [(ROTOR, JobKind::Rotor), (MACHINE, JobKind::Machine), (SHAFT_ACCURACY, JobKind::Accuracy)] {
+        change(schemas, job, &[], &|object| drop(object.properties.insert("kind".to_owned(), only(kind).into())));
+    }
     for reduced in [METRICS_ALONE, MODEL_ALONE] {
         if let Some(RefOr::T(Schema::Object(whole))) = schemas.get(reduced.of) {
             let mut rest = whole.clone();
@@ -171,6 +174,12 @@ pub fn complete(schemas: &mut Schemas) {
             change(schemas, kind.name, &path, &|object| set_defaults(object, field, usual.pointer(holder)));
         }
     }
+}
+
+/// The field `kind` of jobs of one kind.
+fn only(kind: JobKind) -> Schema {
+    let name = ObjectBuilder::new().schema_type(Type::String).enum_values(Some([kind.name()]));
+    name.description(Some("What the job computes.")).into()
 }
 
 /// Gives shafts schemas of their speed: they do not turn backwards.
@@ -258,8 +267,7 @@ impl Kind {
             !FIELDS_OF_SOME_KINDS.contains(field) || self.kind.takes().contains(field)
         });
         job.required.extend(self.requires.iter().map(|&field| field.to_owned()));
-        let name = ObjectBuilder::new().schema_type(Type::String).enum_values(Some([self.kind.name()]));
-        job.properties.insert("kind".to_owned(), name.description(Some("What the job computes.")).into());
+        job.properties.insert("kind".to_owned(), only(self.kind).into());
         for reduced in self.reduced {
             if let Some(RefOr::Ref(part)) = job.properties.get_mut(reduced.field) {
                 part.ref_location = Ref::from_schema_name(reduced.name).ref_location;

@@ -63,7 +63,10 @@ fn refusal(name: &str, unknown: UnknownDesignation) -> String {
             format!("unknown bearing `{name}`; known are {known}; {also}")
         }
         UnknownDesignation::Suffix { bearing, rest } => {
-            format!("unknown suffix `{rest}` of {bearing}; known are {}", listed(Suffix::all()))
+            format!(
+                "unknown suffix `{rest}` of {bearing}; the catalogue has `{bearing}`, and knows {}",
+                listed(Suffix::all())
+            )
         }
         UnknownDesignation::TwoGroups { bearing } => format!("`{name}`: {bearing} with two clearance groups"),
     }
