@@ -35,7 +35,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 52] = files! {
+static FILES: [File; 53] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",
@@ -69,6 +69,7 @@ static FILES: [File; 52] = files! {
     "request.js": SCRIPT,
     "result.js": SCRIPT,
     "rotor.js": SCRIPT,
+    "run-up.js": SCRIPT,
     "scene.js": SCRIPT,
     "shaft-drawing.js": SCRIPT,
     "shaft-form.js": SCRIPT,

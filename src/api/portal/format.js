@@ -107,11 +107,13 @@ function surfacesTitle({ preset, inner = {}, outer = {}, balls = [], every_ball:
 }
 
 /** Length, bearings and speed of a shaft or a rigid spindle. */
+const speedOf = ({ speed_rpm: speed }) => (typeof speed === 'number' ? quantity(speed, 'r/min') : 'varying speed');
+
 function shaftTitle({ shaft, bearings = [], supports = [], operation = {} }) {
   const length = (shaft?.sections ?? []).reduce((sum, section) => sum + (Number(section.length_mm) || 0), 0);
   const names = bearings.map(({ name, bearing }) => [name, typeof bearing === 'string' ? bearing : bearing?.preset].filter(Boolean).join('\u00a0'));
   const on = [...names, supports.length && `${supports.length} supports`].filter(Boolean).join(', ');
-  return [shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle', on && `on ${on}`, quantity(operation.speed_rpm, 'r/min')].filter(Boolean).join(' · ');
+  return [shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle', on && `on ${on}`, speedOf(operation)].filter(Boolean).join(' · ');
 }
 
 /** A one-line title of a request. */
@@ -121,7 +123,7 @@ export function title(request) {
   const { bearing, operation = {}, spindle = {}, lubricant, surfaces } = scene;
   const { preset, ...changed } = typeof bearing === 'string' ? { preset: bearing } : (bearing ?? {});
   const name = preset ? [preset, ...changes(changed)].join(', ') : 'own bearing';
-  const speed = typeof operation.speed_rpm === 'number' ? quantity(operation.speed_rpm, 'r/min') : 'varying speed';
+  const speed = speedOf(operation);
   const load = Math.hypot(operation.radial_load_y_n ?? 0, operation.radial_load_z_n ?? 0);
   const loads = [
     load && quantity(load, 'N'),
@@ -154,3 +156,6 @@ export function plainNumber(text) {
   const plain = text.trim().replaceAll(/(?<=\d)\s(?=\d{3})/g, '').replace('−', '-');
   return /^\d{1,3}(,\d{3})+$/.test(plain) ? plain : plain.replace(',', '.');
 }
+
+/** A statistic over uncertain inputs in words. */
+export const statisticName = (statistic) => (typeof statistic === 'string' ? statistic : `percentile ${number(statistic.percentile)}`);

@@ -41,20 +41,34 @@ export class JobList {
     );
   }
 
+  /** Shows the newest jobs only. */
   async refresh() {
+    this.hasOlder = false;
+    await this.#follow();
+  }
+
+  /** Updates the newest jobs while one of them runs. */
+  async #follow() {
     clearTimeout(this.timer);
     const page = await this.#load();
-    if (page?.some((job) => !api.hasEnded(job))) this.timer = setTimeout(() => this.refresh(), 2000);
+    if (page?.some((job) => !api.hasEnded(job))) this.timer = setTimeout(() => this.#follow(), 2000);
   }
 
   async #load(path) {
     try {
       const { jobs, next } = await api.recentJobs(path);
       const rows = jobs.map((job) => this.#row(job));
-      if (path) this.rows.append(...rows);
-      else this.rows.replaceChildren(...rows);
-      this.next = next;
-      this.older.hidden = !next;
+      if (path) {
+        this.rows.append(...rows);
+        this.hasOlder = true;
+      } else if (this.hasOlder) {
+        const newest = new Set(jobs.map(({ id }) => id));
+        [...this.rows.children].filter(({ dataset }) => newest.has(dataset.id)).forEach((row) => row.remove());
+        this.rows.prepend(...rows);
+      } else this.rows.replaceChildren(...rows);
+      // The page after the oldest one shown.
+      if (path || !this.hasOlder) this.next = next;
+      this.older.hidden = !this.next;
       this.empty.hidden = this.rows.children.length > 0;
       return jobs;
     } catch (error) {
@@ -71,7 +85,7 @@ export class JobList {
     const compare = job.kind === 'simulation' && job.status === 'succeeded' && action('Compare', () => this.compare(job));
     const row = h(
       'tr',
-      {},
+      { 'data-id': job.id },
       h('th', { scope: 'row' }, h('span', { class: 'prose' }, name), h('small', {}, [job.kind, ...job.labels].join(', '))),
       h(
         'td',

@@ -1,11 +1,12 @@
 // The result of a run of a shaft in time: levels of each channel, spectra with labelled lines, bearings, natural frequencies.
 
 import * as api from './api.js';
-import { h, more, small, table, tools } from './dom.js';
-import { command, curl, keep } from './download.js';
+import { h, labelledRadio, more, small, table, tools } from './dom.js';
+import { command, curl, keep, save } from './download.js';
 import { channelName, LEVEL_UNIT, level, measured, number, numerical, quantity } from './format.js';
 import { isWarning, messageList } from './messages.js';
 import { figure, headlineFigures } from './metrics.js';
+import { RUN_UP_VIEWS, runUp } from './run-up.js';
 import { Spectra } from './spectra.js';
 
 const isAcceleration = (name) => name.endsWith('.acceleration');
@@ -31,9 +32,13 @@ export class MachineView {
     this.#take(job, answer);
     const hasFaults = (job.request.scene.bearings ?? []).some(({ surfaces }) => surfaces);
     this.spectra.begin(this.channels, hasFaults);
+    const views = RUN_UP_VIEWS.filter(([view]) => job.links[`${view}_svg`]);
+    // A run-up opens as a waterfall.
+    this.view = views[0]?.[0] ?? 'spectrum';
     host.replaceChildren(
       this.#summary(),
       ...messageList(answer.messages.filter(isWarning)),
+      views.length > 0 ? this.#choice(views) : '',
       this.stage,
       this.extras,
       ...messageList(answer.messages.filter((message) => !isWarning(message))),
@@ -61,12 +66,24 @@ export class MachineView {
     Object.assign(this, { job, answer });
   }
 
+  #choice(views) {
+    const choose = (view) => {
+      this.view = view;
+      this.#draw();
+    };
+    const one = ([value, text]) =>
+      labelledRadio({ name: 'machine-view', value, checked: value === this.view, onchange: () => choose(value) }, text);
+    const all = [...views, ['spectrum', 'Spectrum']];
+    return h('fieldset', { class: 'segments' }, h('legend', { class: 'unseen' }, 'Plot'), all.map(one));
+  }
+
   async #draw() {
     this.drawing?.abort();
     this.drawing = new AbortController();
     const { signal } = this.drawing;
     try {
-      const { files, request, tables } = await this.spectra.draw(this.stage, this, signal);
+      const { files, request, tables } =
+        this.view === 'spectrum' ? await this.spectra.draw(this.stage, this, signal) : await this.#runUp(signal);
       const { id, links } = this.job;
       const all = [...files, ['Result JSON', () => keep(`machine-${id}.json`, links.machine, 'application/json')]];
       const file = ([text, act]) => small(text, () => act().catch((error) => this.say(error.message)));
@@ -78,6 +95,14 @@ export class MachineView {
     } catch (error) {
       if (!signal.aborted) this.stage.replaceChildren(h('p', { class: 'error' }, error.message));
     }
+  }
+
+  async #runUp(signal) {
+    const { view, job } = this;
+    const { element, svg, path } = await runUp(job, view, signal);
+    this.stage.replaceChildren(h('figure', {}, element));
+    const file = ['Plot SVG', async () => save(`${view}-${job.id}.svg`, svg, 'image/svg+xml')];
+    return { files: [file], request: { path, accept: 'image/svg+xml' }, tables: [] };
   }
 
   #summary() {

@@ -3,7 +3,7 @@
 import * as api from './api.js';
 import { h, more, table } from './dom.js';
 import { axisName } from './fields.js';
-import { measured, number, numerical, quantity, seconds, words } from './format.js';
+import { measured, number, numerical, quantity, seconds, statisticName, words } from './format.js';
 import { plotsOf } from './kinds.js';
 import { figure } from './metrics.js';
 import { picture } from './plots.js';
@@ -34,7 +34,7 @@ export function answerView(kind, answer) {
   return { first: [], rest: [] };
 }
 
-function optimum({ metric, goal, axes, point, value, error, statistic, within, at_end_of_range: ends, runs, failed, rivals, evaluations }) {
+function optimum({ metric, goal, axes, point, value, error, statistic, nominal, within, at_end_of_range: ends, runs, failed, rivals, evaluations }) {
   const places = axes.map(({ axis }) => {
     const [name, unit] = axisName(axis);
     const range = within?.[axis];
@@ -55,13 +55,14 @@ function optimum({ metric, goal, axes, point, value, error, statistic, within, a
       h(
         'dl',
         { class: 'figures' },
-        figure(`${goal === 'minimum' ? 'Least' : 'Largest'} value: ${name}`, number(value, 5), unit, remark),
+        figure(`${goal === 'minimum' ? 'Least' : 'Largest'} ${statistic ? `${statisticName(statistic)} of` : 'value:'} ${name}`, number(value, 5), unit, remark),
+        statistic && nominal !== undefined && figure('With nominal inputs', number(nominal, 5), unit),
         places,
         figure('Runs', number(runs), '', failed ? `${failed} failed` : ''),
       ),
       ends.length > 0 &&
         h('p', { class: 'warning', role: 'note' }, `The range ends at the best point of ${ends.map((axis) => axisName(axis)[0]).join(' and ')}: there may be better points beyond.`),
-      rivals.length > 0 && h('p', { class: 'note' }, `${rivals.length} runs elsewhere may be as good.`),
+      rivals.length > 0 && h('p', { class: 'note' }, `${rivals.length} ${statistic ? 'repeated points' : 'runs'} elsewhere may be as good.`),
     ].filter(Boolean),
     rest: [more(`Runs as a table (${evaluations.length})`, table('Runs of the search', heads, evaluations.map(row), { hidden: true }))],
   };

@@ -244,14 +244,15 @@ export class ShaftForm {
     return values.includes(read(request, pointer) ?? this.#fields.get(pointer)?.input.options[0].value);
   }
 
-  #choice(pointer, { choices, names, others = [], ...spec }) {
+  #choice(pointer, { choices, names, others = [], unset, ...spec }) {
     const pairs = names
       ? [...others, ...listAt(this.request, names).map(({ name }) => [name, name])]
       : typeof choices === 'function'
         ? choices(this.presets)
         : choices;
     const input = select(pairs, (value) => this.#chosen(pointer, value));
-    const ofValue = (value) => (typeof value === 'object' ? '' : (value ?? pairs[0]?.[0] ?? ''));
+    const usual = () => unset?.(this.request, pointer, this.presets) ?? pairs[0]?.[0] ?? '';
+    const ofValue = (value) => (typeof value === 'object' ? '' : (value ?? usual()));
     return this.#registered(pointer, input, { ...spec, ofValue });
   }
 
@@ -267,8 +268,7 @@ export class ShaftForm {
     this.#change(request);
   }
 
-  #registered(pointer, input, { label, unit, of, fallback, ofValue, when }) {
-    const hint = help(this.#schema(of, pointer) ?? {});
+  #registered(pointer, input, { label, unit, of, fallback, ofValue, when, help: hint = help(this.#schema(of, pointer) ?? {}) }) {
     const shown = field({ id: idOf('s', pointer), label, unit, input, help: hint });
     return this.#fields.add(pointer, { ...shown, fallback, ofValue, when });
   }

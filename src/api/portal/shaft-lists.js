@@ -1,6 +1,7 @@
 // The lists of a shaft's scene with the fields of their items. Limits and help come from the OpenAPI document.
 
-import { lengthOf, listAt } from './shaft-request.js';
+import { read } from './request.js';
+import { lengthOf, listAt, typeOf } from './shaft-request.js';
 
 const field = (path, label, unit = '', more = {}) => ({ path, label, unit, ...more });
 const at = field('at_mm', 'Place', 'mm');
@@ -97,7 +98,10 @@ export const LISTS = [
             choices: [
               ['deep_groove', 'deep groove'],
               ['angular_contact', 'angular contact'],
+              ['', 'by designation'],
             ],
+            unset: (request, pointer, presets) => typeOf(read(request, pointer.replace(/\/type$/, '')), presets),
+            help: 'Own dimensions are those of a deep-groove bearing unless chosen.',
           }),
           field('bearing/outer_diameter_mm', 'Outer diameter', 'mm'),
           field('bearing/inner_diameter_mm', 'Bore', 'mm'),

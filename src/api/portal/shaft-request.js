@@ -46,7 +46,7 @@ export const EXAMPLE = {
 };
 
 const OF_ANALYSIS = ['speeds_rpm', 'modes'];
-const OF_RUN = ['duration_s', 'settle_s', 'step_us', 'mode_range'];
+const OF_RUN = ['duration_s', 'settle_s', 'step_us', 'mode_range', 'outputs', 'solver'];
 
 const pick = (object, names) =>
   Object.fromEntries(names.filter((name) => object[name] !== undefined).map((name) => [name, object[name]]));
@@ -68,6 +68,13 @@ export function listAt(request, pointer) {
 export function dimensions(choice, presets) {
   const { preset, ...changes } = typeof choice === 'string' ? { preset: choice } : (choice ?? {});
   return { ...presets.bearings[preset]?.bearing, ...changes };
+}
+
+/** The type of a bearing that gives none; empty where its designation decides. */
+export function typeOf(choice, presets) {
+  const name = typeof choice === 'string' ? choice : choice?.preset;
+  const isDesignated = name !== undefined && !(name in presets.bearings);
+  return isDesignated ? '' : (dimensions(choice, presets).type ?? 'deep_groove');
 }
 
 const BODIES = '/scene/housing/bodies';

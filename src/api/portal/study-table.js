@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { h, labelled, more, select, small, table, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { axisName } from './fields.js';
-import { number, quantity, words } from './format.js';
+import { number, quantity, statisticName, words } from './format.js';
 import { HeatMap } from './map.js';
 import { CurvePlot } from './plots.js';
 import { METRICS, valueAt } from './study-metrics.js';
@@ -109,8 +109,4 @@ export class StudyTable {
 /** Estimated error of a metric: of the integration, or over samples half of the statistic's interval. */
 function errorOfRow({ metrics, samples }, pointer, errorOf, value) {
   return samples ? valueAt(samples.half_intervals, pointer) : errorOf?.(metrics, Math.abs(value));
-}
-
-function statisticName(statistic) {
-  return typeof statistic === 'string' ? statistic : `percentile ${number(statistic.percentile)}`;
 }

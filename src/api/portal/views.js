@@ -4,7 +4,8 @@ import * as api from './api.js';
 import { button, h, labelled, labelledRadio, more, select, small, table, tools } from './dom.js';
 import { command, csv, curl, flat, keep, save } from './download.js';
 import { channelName, number, quantity } from './format.js';
-import { ballBars, CurvePlot, orbit, picture } from './plots.js';
+import { ballBars, CurvePlot, orbit } from './plots.js';
+import { drawn, isRunUp, RUN_UP_VIEWS, runUp } from './run-up.js';
 import { Spectra } from './spectra.js';
 
 /** Series for orbit and time plots, which the service keeps only on request. */
@@ -24,8 +25,7 @@ const VIEWS = [
   ['acceleration', 'Acceleration'],
   ['loads', 'Ball loads'],
   ['impact', 'Impact'],
-  ['waterfall', 'Waterfall'],
-  ['orders', 'Orders'],
+  ...RUN_UP_VIEWS,
 ];
 const POINTS = 4000;
 
@@ -47,12 +47,11 @@ export class Views {
     Object.assign(this, { job, metrics });
     this.channels = job.request.outputs?.spectra ?? ['spindle.y.acceleration', 'spindle.z.acceleration'];
     this.spectra.begin(this.channels, Boolean(job.request.scene?.surfaces));
-    // One shaft frequency says nothing about a run-up: it opens as a waterfall.
-    const isRunUp = Array.isArray(job.request.scene?.operation?.speed_rpm);
+    const varies = isRunUp(job);
     const exists = {
       impact: Boolean(job.links.impact_svg),
-      waterfall: isRunUp || Boolean(job.links.waterfall_svg),
-      orders: isRunUp || Boolean(job.links.orders_svg),
+      waterfall: varies || Boolean(job.links.waterfall_svg),
+      orders: varies || Boolean(job.links.orders_svg),
     };
     // Of a recorded run only the spectra are there.
     this.choice.hidden = Boolean(job.spectra);
@@ -60,7 +59,7 @@ export class Views {
     const radio = (view) => this.element.querySelector(`input[name=view][value=${view}]`);
     Object.entries(exists).forEach(([view, is]) => (radio(view).closest('label').hidden = !is));
     if (exists[this.view] === false) this.view = 'spectrum';
-    if (isRunUp && this.view === 'spectrum' && this.opened !== job.id) this.view = 'waterfall';
+    if (varies && this.view === 'spectrum' && this.opened !== job.id) this.view = 'waterfall';
     this.opened = job.id;
     radio(this.view).checked = true;
     this.stage.replaceChildren();
@@ -141,23 +140,17 @@ export class Views {
       );
       return;
     }
-    const texts = {
-      waterfall: 'Spectra over the shaft speed, with labelled orders.',
-      orders: 'The mean order spectrum, and amplitudes of orders over the shaft speed.',
-    };
-    await this.#picture(view, texts[view], signal);
+    this.#place(view, await runUp(this.job, view, signal));
   }
 
   async #picture(view, text, signal) {
-    const path = `/v1/jobs/${this.job.id}/plots/${view}.svg`;
-    const svg = await api.getText(path, 'image/svg+xml', { signal });
-    this.stage.replaceChildren(h('figure', {}, picture(svg, text)));
-    this.extras.replaceChildren(
-      this.#downloads([['Plot SVG', async () => save(`${view}-${this.job.id}.svg`, svg, 'image/svg+xml')]], {
-        path,
-        accept: 'image/svg+xml',
-      }),
-    );
+    this.#place(view, await drawn(this.job, view, text, signal));
+  }
+
+  #place(view, { element, svg, path }) {
+    this.stage.replaceChildren(h('figure', {}, element));
+    const file = ['Plot SVG', async () => save(`${view}-${this.job.id}.svg`, svg, 'image/svg+xml')];
+    this.extras.replaceChildren(this.#downloads([file], { path, accept: 'image/svg+xml' }));
   }
 
   async #orbit(signal) {
