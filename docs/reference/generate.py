@@ -28,7 +28,7 @@ ANSWERS = {
     "CatalogueAnswer": "`GET /v1/catalogue`",
 }
 # Parts that another page describes.
-ELSEWHERE = {"AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",
+ELSEWHERE = {"MachineJob": "[machine job](parameters.md#machine-job)", "AccuracyAnswer": "[accuracy](accuracy.md#accuracy)", "SolverAnswer": "[solver](accuracy.md#solver)",
              "LeftOutAnswer": "[left out](accuracy.md#left_out)", "Message": "[messages](messages.md)",
              "MessageAnswer": "[messages](messages.md)"}
 

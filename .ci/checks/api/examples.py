@@ -114,6 +114,7 @@ def recorded(running):
     examples["listSeries"] = {"200": answer("GET", "/v1/series")}
     short = {"outputs": {"metrics": ["vibration"], "spectra": ["spindle.y.acceleration"]}, "solver": {"model_tolerance_db": 1}}
     examples["previewRun"] = {"200": answer("POST", "/v1/preview", {"kind": "simulation", "scene": SCENE, **short})}
+    examples["resolveMachine"] = {"200": answer("POST", "/v1/machine/resolve", MACHINE)}
     examples["analyseRotor"] = {"200": answer("POST", "/v1/rotor", ROTOR)}
     rotor = running.submit(ROTOR)[0]
     running.ended(rotor)

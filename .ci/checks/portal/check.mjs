@@ -13,6 +13,7 @@ import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 import * as measured from './measured.mjs';
+import { shaftRunUp } from './shaft-run-up.mjs';
 import { uncertainty } from './uncertainty.mjs';
 
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -1008,7 +1009,7 @@ try {
   /** The parts with scenes of their own, one after the other. Returns the request of the shaft that was built. */
   const ownScenes = async () => {
     let built;
-    const tools = { ok, accessible, picture, noLeftovers, reportOf, fits, desktop: DESKTOP, phone: PHONE };
+    const tools = { ok, tab, accessible, picture, noLeftovers, reportOf, fits, desktop: DESKTOP, phone: PHONE };
     for (const [part, refused] of [
       [(page) => uncertainty(page, tools), '/v1/jobs'],
       [orderedByName, '/v1/scenes/resolve'],
@@ -1017,6 +1018,7 @@ try {
       [shaft, '/v1/rotor'],
       [housing, '/v1/rotor'],
       [rigidSpindle, '/v1/rotor'],
+      [(page) => shaftRunUp(page, tools), '/v1/rotor'],
     ]) {
       const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === refused);
       await page.goto(second.url);

@@ -144,3 +144,17 @@ fn a_run_states_life_and_torque() {
     let speed = 3000.0 * std::f64::consts::PI / 30.0;
     assert!((number("/friction/power_loss_w") / (1e-3 * total * speed) - 1.0).abs() < 1e-9);
 }
+
+/// The film's resistance is most of the torque in grease, too. A vibration alone leaves it out, as the article does.
+#[test]
+fn grease_has_the_torque_of_its_film() {
+    let omitted = |metrics: Value| {
+        let mut request =
+            scene(json!({}), 3000.0, json!({"kind": "grease", "viscosity_grade": "iso-vg-100", "temperature_c": 60}));
+        merge(&mut request, json!({"kind": "simulation", "outputs": {"metrics": metrics, "spectra": []}}));
+        let job = parse_job(request.to_string().as_bytes()).unwrap();
+        let answer = crate::contract::resolve_answer(&job).unwrap();
+        answer.left_out.iter().any(|term| term.term == "hydrodynamics")
+    };
+    assert!(omitted(json!(["vibration"])) && !omitted(json!(["vibration", "friction"])));
+}

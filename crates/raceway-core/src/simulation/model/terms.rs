@@ -82,7 +82,7 @@ impl ActiveTerms {
         decision.orientation();
         let conformity = decision.keep(Term::Conformity, true, || None);
         let spin = decision.keep(Term::Spin, true, || planar.then_some(OmissionReason::BallsStayInPlane));
-        let hydrodynamics = decision.hydrodynamics();
+        let hydrodynamics = decision.hydrodynamics(outputs);
         let film = decision.pocket_film(cage);
         let friction = decision
             .keep(Term::PocketFriction, true, || (scene.cage.friction == 0.0).then_some(OmissionReason::NoFriction));
@@ -267,8 +267,9 @@ impl Decision<'_> {
         });
     }
 
-    /// Rolling friction F_R, pressure force F_H and the hydrodynamic terms of the pocket.
-    fn hydrodynamics(&mut self) -> bool {
+    /// Rolling friction F_R, pressure force F_H and the hydrodynamic terms of the pocket. A friction moment needs them in grease, too: they are most
+    /// of it.
+    fn hydrodynamics(&mut self, outputs: &Outputs) -> bool {
         let lubricant = &self.scene.lubricant;
         let choice = self.scene.terms.get(Term::Hydrodynamics);
         if lubricant.kind == LubricantKind::Dry || lubricant.viscosity == 0.0 {
@@ -277,7 +278,7 @@ impl Decision<'_> {
         if choice == TermChoice::Off {
             return self.switched_off(Term::Hydrodynamics);
         }
-        if lubricant.kind == LubricantKind::Grease && choice == TermChoice::Auto {
+        if lubricant.kind == LubricantKind::Grease && choice == TermChoice::Auto && !outputs.friction {
             self.left_out.push(LeftOut {
                 term: Term::Hydrodynamics.name(),
                 reason: OmissionReason::NeglectedForGrease,
