@@ -149,8 +149,11 @@ fn a_run_states_life_and_torque() {
 #[test]
 fn grease_has_the_torque_of_its_film() {
     let omitted = |metrics: Value| {
-        let mut request =
-            scene(json!({}), 3000.0, json!({"kind": "grease", "viscosity_grade": "iso-vg-100", "temperature_c": 60}));
+        let mut request = scene(
+            json!({}),
+            3000.0,
+            json!({"lubricant": {"kind": "grease", "viscosity_grade": "iso-vg-100", "temperature_c": 60}}),
+        );
         merge(&mut request, json!({"kind": "simulation", "outputs": {"metrics": metrics, "spectra": []}}));
         let job = parse_job(request.to_string().as_bytes()).unwrap();
         let answer = crate::contract::resolve_answer(&job).unwrap();
