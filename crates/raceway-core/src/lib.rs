@@ -21,9 +21,6 @@
 //! The names at the root are those that a user of the crate needs; they rest on the types of their fields. Everything else in the
 //! modules is unstable: internal to the service.
 
-/// Optimization level of this build of the crate.
-pub const OPTIMISATION: &str = env!("RACEWAY_OPT_LEVEL");
-
 /// A flexible shaft on ball bearings, in time. Unstable: internal to the service.
 pub mod machine;
 /// A measured signal beside a prediction: resampling, spectra, lines. Unstable: internal to the service.

@@ -4,6 +4,7 @@
 pub(crate) mod angle;
 pub(crate) mod banded;
 pub(crate) mod bordered;
+pub mod build;
 pub(crate) mod decimation;
 pub(crate) mod dense;
 pub mod elliptic;

@@ -39,7 +39,7 @@ impl MachineAnswer {
             version: env!("CARGO_PKG_VERSION").into(),
             compiler: env!("RACEWAY_RUSTC").into(),
             profile: env!("RACEWAY_PROFILE").into(),
-            optimisation: raceway_core::OPTIMISATION.into(),
+            optimisation: raceway_core::numerics::build::OPTIMISATION.into(),
             flags: env!("RACEWAY_RUSTFLAGS").into(),
         }
     }
