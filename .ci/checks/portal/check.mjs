@@ -251,6 +251,9 @@ async function orderedByName(page) {
 
 async function fromPresetToPlot(page) {
   await page.locator('.drawing svg').waitFor();
+  const life = page.locator('h3', { hasText: 'Rating life at rest' }).locator('..');
+  await life.getByText('Basic life L₁₀ₕ').waitFor();
+  ok('the rating life of the scene stands below its static equilibrium');
   await page.selectOption('#preset', 'article-integrated');
   const speed = field(page, '/scene/operation/speed_rpm');
   await speed.fill('50000');

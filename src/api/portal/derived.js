@@ -65,6 +65,7 @@ export function showDerived(host, resolved) {
           ['Clearance', derived.radial_clearance_um, 'µm'],
         ]),
         ...orderedParts(derived, rows),
+        ...lifeParts(derived, rows),
       ),
     ),
     ...messageList(resolved.messages),
@@ -108,6 +109,27 @@ function orderedParts({ clearance, oil, designation }, rows) {
         h('p', { class: 'note' }, `Balls: ${designation.source}. Confidence: ${designation.confidence}.`),
         designation.note && h('p', { class: 'note' }, `${designation.note}.`),
       ),
+  ].filter(Boolean);
+}
+
+/** Rating life under the loads at rest, and friction moments of empirical models. */
+function lifeParts({ life, friction_reference: friction }, rows) {
+  const part = (title, pairs) => h('div', {}, h('h3', {}, title), rows(pairs.filter(([, value]) => value !== undefined)));
+  return [
+    life?.basic_l10h !== undefined &&
+      part('Rating life at rest', [
+        ['Equivalent load P', life.equivalent_load_n, 'N'],
+        ['Basic life L₁₀ₕ', life.basic_l10h, 'h'],
+        ['Reference life, ISO/TS 16281', life.reference_l10h_static, 'h'],
+        ['Viscosity ratio κ', life.kappa, ''],
+        ['Life factor a_ISO', life.a_iso, ''],
+      ]),
+    friction &&
+      part('Friction, empirical', [
+        ['Rolling, SKF', friction.skf_rolling_n_mm, 'N mm'],
+        ['Sliding, SKF', friction.skf_sliding_n_mm, 'N mm'],
+        ['Viscous, Palmgren', friction.palmgren_viscous_n_mm, 'N mm'],
+      ]),
   ].filter(Boolean);
 }
 

@@ -91,7 +91,7 @@ function bandTable(channels) {
 
 /** All other metrics. */
 export function tables(metrics) {
-  const { channels = {}, contacts = {}, kinematics, cage, frequencies_hz: f, solver, accuracy } = metrics;
+  const { channels = {}, contacts = {}, kinematics, cage, life, friction, frequencies_hz: f, solver, accuracy } = metrics;
   const rest = [
     ...['inner', 'outer'].flatMap((side) =>
       contacts[side]
@@ -110,6 +110,12 @@ export function tables(metrics) {
     kinematics && ['Ball spin', kinematics.ball_spin_hz, 'Hz'],
     cage && ['Cage orbit radius, rms', cage.orbit_radius_um, 'µm'],
     cage && ['Whirl ratio', cage.whirl_ratio, ''],
+    life && ['Basic life L₁₀ₕ', life.basic_l10h, 'h'],
+    life && ['Reference life at rest, ISO/TS 16281', life.reference_l10h_static, 'h'],
+    life && ['Reference life by the motion', life.reference_l10h_dynamic, 'h'],
+    life && ['Life factor a_ISO', life.a_iso, ''],
+    friction && ['Friction torque', friction.total_n_mm, 'N mm'],
+    friction && ['Friction power', friction.power_loss_w, 'W'],
     ['Shaft', f.shaft, 'Hz'],
     ['Cage (FTF)', f.cage, 'Hz'],
     ['BPFO', f.ball_pass_outer, 'Hz'],
