@@ -57,6 +57,7 @@ impl MachineDynamics {
     pub(crate) fn rings(&self, bearing: usize, place: &[f64], velocity: &[f64]) -> Rings {
         let ports = &self.frame.ports;
         let inner = [ports[bearing].of_place(place), ports[bearing].of_place(velocity)];
+        #[expect(clippy::manual_map, reason = "a closure is called apart, and has no lanes then")]
         let outer = match &self.frame.outer[bearing] {
             None => None,
             Some(OuterPort { port, .. }) => Some([ports[*port].of_place(place), ports[*port].of_place(velocity)]),
