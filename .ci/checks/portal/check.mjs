@@ -936,8 +936,9 @@ async function apiDocument(browser, url) {
   const policy = answer.headers()['content-security-policy'];
   assert.ok(policy?.startsWith("default-src 'self';") && !policy.includes('unsafe'), `policy of /docs/: ${policy}`);
   const operation = page.locator('#operations-jobs-listJobs');
-  await operation.locator('.opblock-summary-control').click();
-  await operation.locator('.try-out__btn').click();
+  // Swagger UI needs ten seconds of a core to unfold an operation, and other pages are open beside it.
+  await operation.locator('.opblock-summary-control').click({ timeout: 120000 });
+  await operation.locator('.try-out__btn').click({ timeout: 120000 });
   await operation.locator('.execute').click();
   await operation.locator('.live-responses-table .response-col_status').filter({ hasText: '200' }).waitFor();
   assert.deepEqual(faults, [], 'nothing in the console of /docs/, no other host');
