@@ -31,7 +31,7 @@ pub struct Robust {
     pub cube: Vec<Vec<f64>>,
     /// More points, for the best ones of a search.
     pub fine: Vec<Vec<f64>>,
-    /// What was given, as JSON.
+    /// The fields `inputs`, `samples`, `seed` and `statistic` with their defaults, as JSON.
     given: Value,
 }
 

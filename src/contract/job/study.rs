@@ -190,7 +190,7 @@ fn spaced(range: &Range, count: u32, pointer: &str, defaults: &mut Defaults) -> 
 }
 
 /// Refuses values with which no scene can be built. Each listed value, and a sample of a range, is combined with the middle values of
-/// the other axes, then with their first and their last values: some values are valid only in combination, and the points of invalid
+/// the other axes, then with their first and their last values. Some values are valid only in combination; the points of invalid
 /// combinations fail one by one.
 fn refuse_values(axes: &[Axis], variation: &Variation, defaults: &mut Defaults) {
     let most = defaults.errors.len() + MAX_ERRORS;

@@ -22,7 +22,7 @@ const MOST_SHAPE: f64 = 1e6;
 /// Displacements of a port, as names of coordinates have them.
 const DISPLACEMENTS: [&str; PORT] = ["x", "y", "z", "about_y", "about_z"];
 
-/// A place of the imported structure, which moves along x, y and z and tilts about y and z. What sits beside it moves with it as on a rigid arm.
+/// A place of the imported structure, which moves along x, y and z and tilts about y and z. Rings and mounts at a distance along the shaft move with the place as on a rigid arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PortInput {

@@ -1,4 +1,4 @@
-//! What a run of a machine takes, before it runs.
+//! First step and expected time of a machine before it runs.
 
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing, MachineError};
@@ -10,8 +10,8 @@ use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::terms::ActiveTerms;
 use crate::simulation::solve::cost::fixed_step_time;
 
-/// Time of a coordinate in a step, recording included [s], and time of a bearing on a reduced level over that on `full` [-]. By the instructions of
-/// `benches/modes/cost.py` at 2·10⁹ a second.
+/// Time of a coordinate in a step, recording included [s], and time of a bearing on a reduced level over that on `full` [-]. `benches/modes/cost.py`
+/// counts the instructions; a core runs some 2·10⁹ of them a second.
 const SECONDS_PER_COORDINATE: f64 = 0.1e-6;
 const REDUCED: f64 = 0.3;
 /// Work of all attempts over that of the first where the step is halved twice [-].

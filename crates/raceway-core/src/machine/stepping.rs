@@ -149,7 +149,7 @@ struct Compliances {
 }
 
 impl Compliances {
-    /// By forces that move each coordinate by its weight.
+    /// The compliances of all ports. `weights`: motion of each coordinate by a unit force on it.
     fn of(frame: &Frame, weights: &[f64]) -> Self {
         let of_port = |port: &Rows| frame.ports.iter().map(|by| port.compliance(by, weights)).collect::<Vec<_>>();
         Self { ports: frame.ports.len(), blocks: frame.ports.iter().flat_map(of_port).collect() }

@@ -1,4 +1,4 @@
-//! How this crate was built.
+//! Settings of this build of the crate.
 
 /// Optimization level.
 pub const OPTIMISATION: &str = env!("RACEWAY_OPT_LEVEL");
