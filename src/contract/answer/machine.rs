@@ -235,7 +235,7 @@ impl From<MachineError> for RunFailure {
         let cause = match error {
             MachineError::Stopped(_) => return Self::Cancelled,
             MachineError::Lost { cause: Loss::Left { .. }, .. } => SPINDLE_LEFT_BEARING,
-            MachineError::Lost { cause: Loss::NotFinite { .. }, .. } => NUMERICAL_BLOWUP,
+            MachineError::Lost { cause: Loss::NotFinite { .. } | Loss::FrameNotFinite, .. } => NUMERICAL_BLOWUP,
             MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. }, .. }
             | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)

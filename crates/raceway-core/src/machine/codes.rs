@@ -72,8 +72,8 @@ pub struct RejectedStep {
     /// [s]
     pub step: f64,
     pub cause: StepCause,
-    /// The property of the machine that such steps do not resolve, where there is one.
-    pub limit: Option<StepLimit>,
+    /// Whether the bearings are too stiff for such steps, against the inertia of the shaft at their places.
+    pub stiff_bearings: bool,
 }
 
 /// Cause of the rejection of a step.
@@ -83,15 +83,4 @@ pub enum StepCause {
     Lost { time: f64, loss: Loss },
     /// Half steps change a level [dB].
     Deviation { channel: MachineChannel, error_db: f64 },
-}
-
-/// Property of a machine that needs short steps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum StepLimit {
-    /// Dashpots of supports couple the motions of the shaft.
-    Dashpots,
-    /// Gyroscopic moments do.
-    Gyroscopic,
-    /// The bearings are stiff against the inertia of the shaft at their places.
-    BearingStiffness,
 }

@@ -1,5 +1,7 @@
 //! The equations of motion of a machine: each bearing at the motion of its rings, shaft and housing under their loads.
 
+use nalgebra::Complex;
+
 use super::bearing::{BearingOnShaft, ReducedModel, bearings};
 use super::frame::{Frame, OuterPort};
 use super::input::{Machine, MachineError};
@@ -18,6 +20,17 @@ pub struct MachineDynamics {
     pub bearings: Vec<BearingOnShaft>,
     pub speed: SpeedProfile,
     pub outer_speed: SpeedProfile,
+    /// Of the linear analysis at the first speed; `None` where a bearing is loose.
+    pub free_motion: Option<FreeMotion>,
+}
+
+/// Free motions of shaft and housing on linear bearings.
+#[derive(Debug, Clone)]
+pub struct FreeMotion {
+    /// Largest growth rate [1/s]; negative: all motions decay.
+    pub growth_rate: f64,
+    /// λ of every oscillation, by its natural frequency [1/s].
+    pub oscillating: Vec<Complex<f64>>,
 }
 
 /// Loads of all bearings at one time.
@@ -32,7 +45,10 @@ impl MachineDynamics {
         let frame = Frame::of(machine, range, stop)?;
         let bearings = bearings(machine, &frame)?;
         let (speed, outer_speed) = (machine.speed.clone(), machine.outer_speed.clone());
-        Ok(Self { frame, bearings, speed, outer_speed })
+        let free_motion = frame.system.free_motion(speed.at(0.0).1, |motion| {
+            Some(FreeMotion { growth_rate: motion.growth_rate(), oscillating: motion.oscillating() })
+        });
+        Ok(Self { frame, bearings, speed, outer_speed, free_motion: free_motion.ok() })
     }
 
     /// Models of the bearings that are on a reduced level.
@@ -111,10 +127,10 @@ impl MachineDynamics {
         let (of_bearings, of_frame) = rates.split_at_mut(split);
         let (of_place, of_velocity) = of_frame.split_at_mut(self.frame.len());
         of_place.copy_from_slice(velocity);
-        self.frame.forces(time, self.speed.at(time), place, velocity, of_velocity);
-        for (k, rate) in of_velocity.iter_mut().enumerate() {
-            *rate -= self.frame.damping[k] * velocity[k] + self.frame.squares[k] * place[k];
-        }
+        let turning = self.speed.at(time);
+        let mut inputs = vec![0.0; self.frame.inputs.ncols()];
+        self.frame.write_loads(time, turning, &mut inputs);
+        self.frame.write_accelerations(turning.1, (place, velocity), &inputs, of_velocity);
         let mut rest = of_bearings;
         let mut rings = Vec::with_capacity(self.bearings.len());
         for (index, (bearing, part)) in self.bearings.iter().zip(self.parts(state)).enumerate() {

@@ -1,9 +1,11 @@
-//! Shaft and housing in coordinates whose stiffness is diagonal: free modes and residual vectors, supports, mounts and seats included.
+//! Shaft and housing as a linear system: their free modes and residual vectors, on supports, mounts and seats.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector};
 
 use super::input::{Machine, MachineError, Part, Sensor};
-use super::padded::{Coupling, Rows, Square};
+use super::padded::{BySpeed, Padded, Rows};
+use crate::numerics::angle::sin_cos;
+use crate::physics::frame::disc::UnbalancePlane;
 use crate::physics::frame::mesh::Mesh;
 use crate::physics::frame::support::PORT;
 use crate::physics::loads::{Load, VaryingLoads};
@@ -21,15 +23,17 @@ const MOST_MODES: usize = 128;
 /// Change of a kept frequency by halved elements, below which a mesh is fine enough [-].
 const CONVERGED: f64 = 1e-4;
 
-/// q̈ + c q̇ + ω² q = g(t, q, q̇) + Σ Rᵀ f over coordinates of mass 1. Port rows R give displacements x, y, z, β_y, β_z.
+/// q̈ + C(Ω) q̇ + K(Ω) q = B u over coordinates of mass 1. Port rows R give displacements x, y, z, β_y, β_z.
+///
+/// The inputs u are the forces and moments at the ports, then what turns with the unbalance, the loads that vary, and 1 for the constant loads.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// ω² [1/s²] and c [1/s] of each coordinate.
-    pub squares: Vec<f64>,
-    pub damping: Vec<f64>,
-    /// What couples coordinates, by their velocities and displacements, constant and times the speed.
-    velocity: Coupling,
-    place: Coupling,
+    /// K and C, without and with the factor of the speed.
+    place: BySpeed,
+    velocity: BySpeed,
+    /// B
+    pub inputs: DMatrix<f64>,
+    by_input: Padded,
     /// Ports of the inner rings of the bearings, in their order, then of the outer rings that move.
     pub ports: Vec<Rows>,
     /// Outer rings of the bearings; `None`: it does not move.
@@ -38,13 +42,11 @@ pub struct Frame {
     pub sensors: Vec<Rows>,
     /// Ports of the mass centres of the bodies, in their order, then of an imported structure.
     pub bodies: Vec<Rows>,
-    /// Constant loads, weight included.
-    load: Vec<f64>,
-    planes: Vec<Plane>,
-    loaded: Vec<LoadedPlace>,
-    /// Linear analysis about the operating point, and its coordinates over those of the frame.
+    is_unbalanced: bool,
+    /// Changes of the loads since the start, at each place of the shaft that has any.
+    varying: Vec<VaryingLoads>,
+    /// Linear analysis about the operating point.
     pub system: System,
-    basis: DMatrix<f64>,
 }
 
 /// An outer ring that moves.
@@ -56,21 +58,6 @@ pub struct OuterPort {
     pub rest: [f64; PORT],
 }
 
-/// A place of the shaft, and the changes of its loads since the start.
-#[derive(Debug, Clone)]
-struct LoadedPlace {
-    rows: Rows,
-    varying: VaryingLoads,
-}
-
-/// Forces of an unbalance along Y and Z over the coordinates, by 1 N.
-#[derive(Debug, Clone)]
-struct Plane {
-    product: f64,
-    phase: f64,
-    along: [Vec<f64>; 2],
-}
-
 impl Frame {
     /// Free modes up to `range` times the band of levels.
     ///
@@ -79,117 +66,101 @@ impl Frame {
         let rotor = &machine.rotor;
         let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND, stop)?;
         let system = System::of(rotor, mesh, count, &[rotor.speed])?;
-        let size = system.coordinates.len();
-        let [stiffness, damping] = &system.linear;
-        let symmetric = 0.5 * (stiffness + stiffness.transpose());
-        let (squares, basis) = match system.springs.is_empty() {
-            true => (system.coordinates.squares().collect(), DMatrix::identity(size, size)),
-            false => {
-                let eigen = SymmetricEigen::new(symmetric.clone());
-                (eigen.eigenvalues.iter().map(|square| square.max(0.0)).collect(), eigen.eigenvectors)
-            }
+        let coordinates = &system.coordinates;
+        let of_shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
+        let (outer_ports, outer) = outer_rings(rotor, &system);
+        let ports: Vec<_> = rotor.bearings.iter().map(|bearing| of_shaft(bearing.at)).chain(outer_ports).collect();
+        let (varying, loaded): (Vec<_>, Vec<_>) = varying_loads(rotor, machine.speed.largest()).into_iter().unzip();
+        let mut inputs: Vec<DMatrix<f64>> = ports.iter().map(DMatrix::transpose).collect();
+        inputs.extend(by_unbalance(rotor, &system));
+        inputs.extend(loaded.into_iter().map(|at| of_shaft(at).transpose()));
+        let load = system.load(rotor);
+        inputs.push(DMatrix::from_column_slice(load.len(), 1, load.as_slice()));
+        let columns: Vec<_> = inputs.iter().flat_map(DMatrix::column_iter).collect();
+        let inputs = DMatrix::from_columns(&columns);
+        let by_speed = |constant: &DMatrix<f64>, by_speed: &DMatrix<f64>| BySpeed {
+            constant: Padded::of(constant),
+            by_speed: Padded::of(by_speed),
         };
-        let turned = |matrix: &DMatrix<f64>| basis.transpose() * matrix * &basis;
-        let damping = turned(damping);
-        let own_damping: Vec<f64> = damping.diagonal().iter().copied().collect();
-        let rows = |at: f64| Rows::of(&(system.coordinates.port(system.coordinates.mesh.node(at)) * &basis));
-        let inner = rotor.bearings.iter().map(|bearing| rows(bearing.at));
-        let housing = &system.coordinates.housing;
-        let (outer_rows, outer) = outer_rings(rotor, &system, &basis);
-        let over =
-            |force: Vec<f64>| (basis.transpose() * DVector::from_vec(force)).iter().copied().collect::<Vec<f64>>();
-        let planes = rotor.unbalances.iter().map(|plane| Plane {
-            product: plane.product,
-            phase: plane.phase,
-            along: [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|force| over(system.coordinates.force(plane.at, force))),
-        });
         Ok(Self {
-            velocity: Coupling {
-                constant: Square::of(&(damping.clone() - DMatrix::from_diagonal(&damping.diagonal()))),
-                by_speed: Square::of(&turned(system.gyroscopic())),
-            },
-            place: Coupling {
-                constant: Square::of(&turned(&(stiffness - symmetric))),
-                by_speed: Square::of(&turned(system.rotating())),
-            },
-            ports: inner.chain(outer_rows).collect(),
+            place: by_speed(&system.linear[0], system.rotating()),
+            velocity: by_speed(&system.linear[1], system.gyroscopic()),
+            by_input: Padded::of(&inputs),
+            inputs,
+            ports: ports.iter().map(Rows::of).collect(),
             outer,
-            sensors: machine.sensors.iter().map(|sensor| Rows::of(&(sensor_rows(sensor, &system) * &basis))).collect(),
-            bodies: housing.parts().map(|rows| Rows::of(&(rows * &basis))).collect(),
-            load: over(system.load(rotor).iter().copied().collect()),
-            planes: planes.collect(),
-            loaded: loaded(rotor, machine.speed.largest(), rows),
-            squares,
-            damping: own_damping,
+            sensors: machine.sensors.iter().map(|sensor| Rows::of(&sensor_rows(sensor, &system))).collect(),
+            bodies: coordinates.housing.parts().map(|rows| Rows::of(&rows)).collect(),
+            is_unbalanced: !rotor.unbalances.is_empty(),
+            varying,
             system,
-            basis,
         })
     }
 
     /// Number of coordinates.
     pub fn len(&self) -> usize {
-        self.squares.len()
+        self.inputs.nrows()
     }
 
     pub fn is_empty(&self) -> bool {
-        self.squares.is_empty()
+        self.len() == 0
     }
 
-    /// Coordinates of the linear analysis over those of the frame.
-    pub fn from_analysis(&self, coordinates: &DVector<f64>) -> Vec<f64> {
-        (self.basis.transpose() * coordinates).iter().copied().collect()
+    /// K and C at a speed [rad/s], without the bearings.
+    pub fn matrices(&self, speed: f64) -> [DMatrix<f64>; 2] {
+        let [stiffness, damping] = &self.system.linear;
+        [stiffness + self.system.rotating() * speed, damping + self.system.gyroscopic() * speed]
     }
 
-    /// Writes g: loads, unbalance and what couples coordinates, at a time and an angle, speed and acceleration of the shaft.
+    /// Whether the matrices depend on the speed.
+    pub fn depends_on_speed(&self) -> bool {
+        [self.system.rotating(), self.system.gyroscopic()].iter().any(|matrix| matrix.iter().any(|entry| *entry != 0.0))
+    }
+
+    /// Writes the inputs but those of the ports, at a time and an angle, speed and acceleration of the shaft.
     #[inline(always)]
-    pub fn forces(
+    pub fn write_loads(&self, time: f64, (angle, speed, acceleration): (f64, f64, f64), inputs: &mut [f64]) {
+        let mut rest = &mut inputs[PORT * self.ports.len()..];
+        if self.is_unbalanced {
+            let [_, y, z] = unbalance_force(1.0, angle, speed, acceleration);
+            (rest[0], rest[1]) = (y, z);
+            rest = &mut rest[2..];
+        }
+        let (of_places, constant) = rest.split_at_mut(PORT * self.varying.len());
+        for (place, varying) in of_places.as_chunks_mut::<PORT>().0.iter_mut().zip(&self.varying) {
+            *place = varying.at(time, angle);
+        }
+        constant[0] = 1.0;
+    }
+
+    /// Writes q̈ at a speed [rad/s] under inputs.
+    #[inline(always)]
+    pub fn write_accelerations(
         &self,
-        time: f64,
-        (angle, speed, acceleration): (f64, f64, f64),
-        place: &[f64],
-        velocity: &[f64],
-        forces: &mut [f64],
+        speed: f64,
+        (place, velocity): (&[f64], &[f64]),
+        inputs: &[f64],
+        accelerations: &mut [f64],
     ) {
-        forces.copy_from_slice(&self.load);
-        for LoadedPlace { rows, varying } in &self.loaded {
-            rows.add_forces(&varying.at(time, angle), forces);
-        }
-        for Plane { product, phase, along: [along_y, along_z] } in &self.planes {
-            let [_, y, z] = unbalance_force(*product, angle + phase, speed, acceleration);
-            for ((force, by_y), by_z) in forces.iter_mut().zip(along_y).zip(along_z) {
-                *force += y * by_y + z * by_z;
-            }
-        }
-        self.velocity.subtract(speed, velocity, forces);
-        self.place.subtract(speed, place, forces);
+        accelerations.fill(0.0);
+        self.by_input.add_product(1.0, inputs, accelerations);
+        self.velocity.add_product(-1.0, speed, velocity, accelerations);
+        self.place.add_product(-1.0, speed, place, accelerations);
     }
 
     /// Times at which the slope of a load jumps [s], in no order.
     pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
-        self.loaded.iter().flat_map(|place| place.varying.kinks())
+        self.varying.iter().flat_map(VaryingLoads::kinks)
     }
 
     /// Longest step that resolves the loads from a time on [s].
     pub fn longest_step_from(&self, time: f64) -> f64 {
-        self.loaded.iter().map(|place| place.varying.longest_step_from(time)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Largest rates [1/s] by which velocities of other coordinates change one: by dashpots of supports, and by gyroscopic moments at a speed.
-    pub(super) fn coupling_rates(&self, speed: f64) -> [f64; 2] {
-        [self.velocity.constant.largest_row(), speed.abs() * self.velocity.by_speed.largest_row()]
-    }
-
-    /// Energy of the coordinates [J], loads at the start included; moments of a turning shaft do no work.
-    pub fn energy(&self, place: &[f64], velocity: &[f64]) -> f64 {
-        let of = |k: usize| {
-            0.5 * (velocity[k] * velocity[k] + self.squares[k] * place[k] * place[k]) - self.load[k] * place[k]
-        };
-        (0..self.len()).map(of).sum()
+        self.varying.iter().map(|loads| loads.longest_step_from(time)).fold(f64::INFINITY, f64::min)
     }
 }
 
 /// Ports of the outer rings that move, at their places along what carries them, and for each bearing whether it has one.
-fn outer_rings(rotor: &Rotor, system: &System, basis: &DMatrix<f64>) -> (Vec<Rows>, Vec<Option<OuterPort>>) {
+fn outer_rings(rotor: &Rotor, system: &System) -> (Vec<DMatrix<f64>>, Vec<Option<OuterPort>>) {
     let housing = &system.coordinates.housing;
     let mut ports = Vec::new();
     let mut of = |(index, bearing): (usize, &RotorBearing)| {
@@ -198,7 +169,7 @@ fn outer_rings(rotor: &Rotor, system: &System, basis: &DMatrix<f64>) -> (Vec<Row
         let slipped = housing.slipped(index, &housing.outer_ring(index, at), rest);
         let rows = housing.outer_ring(index, at + slipped);
         let displacements = &rows * rest;
-        ports.push(Rows::of(&(rows * basis)));
+        ports.push(rows);
         let port = rotor.bearings.len() + ports.len() - 1;
         Some(OuterPort { port, rest: std::array::from_fn(|row| displacements[row]) })
     };
@@ -208,12 +179,21 @@ fn outer_rings(rotor: &Rotor, system: &System, basis: &DMatrix<f64>) -> (Vec<Row
     (ports, outer)
 }
 
-/// The loads that vary, by their place.
-fn loaded(rotor: &Rotor, largest_speed: f64, rows: impl Fn(f64) -> Rows) -> Vec<LoadedPlace> {
+/// Forces on the coordinates of all unbalances together: by the force of one of 1 kg m at the angle of the shaft along Y, and along Z.
+fn by_unbalance(rotor: &Rotor, system: &System) -> Option<DMatrix<f64>> {
+    let of = |plane: &UnbalancePlane| {
+        let along = |force| DVector::from_vec(system.coordinates.force(plane.at, force));
+        let (sine, cosine) = sin_cos(plane.phase);
+        DMatrix::from_columns(&[along([0.0, cosine, sine]), along([0.0, -sine, cosine])]) * plane.product
+    };
+    rotor.unbalances.iter().map(of).reduce(|sum, of_plane| sum + of_plane)
+}
+
+/// The loads that vary, and their places.
+fn varying_loads(rotor: &Rotor, largest_speed: f64) -> Vec<(VaryingLoads, f64)> {
     let of_place = |at: f64| {
         let here = rotor.loads.iter().filter(|load| load.at == at).map(|load| load.load.clone());
-        let varying = VaryingLoads::of(&here.collect::<Vec<Load>>(), largest_speed)?;
-        Some(LoadedPlace { rows: rows(at), varying })
+        Some((VaryingLoads::of(&here.collect::<Vec<Load>>(), largest_speed)?, at))
     };
     rising(rotor.loads.iter().map(|load| load.at).collect()).into_iter().filter_map(of_place).collect()
 }

@@ -45,7 +45,7 @@ struct Growth {
 /// `None` where the motion is not linear, because a bearing is loose.
 fn at_constant_speed(dynamics: &MachineDynamics, duration: f64) -> Option<Growth> {
     let speed = dynamics.speed.at(0.0).1;
-    let rate = dynamics.frame.system.growth_rate(speed).ok()?;
+    let rate = dynamics.free_motion.as_ref()?.growth_rate;
     Some(Growth { efolds: rate * duration, rate, speeds: [speed; 2] })
 }
 

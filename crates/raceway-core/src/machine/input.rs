@@ -75,6 +75,8 @@ pub enum Loss {
     Collision { bearing: String },
     #[error("the motion of bearing {bearing} is no longer finite")]
     NotFinite { bearing: String },
+    #[error("the motion of shaft and housing is no longer finite")]
+    FrameNotFinite,
 }
 
 /// Steps in which a motion was lost.

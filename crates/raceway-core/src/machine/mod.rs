@@ -27,6 +27,7 @@ pub(crate) mod bearing_stepper;
 mod port;
 pub(crate) mod propagator;
 mod reduced_stepper;
+mod speed_steps;
 pub(crate) mod stepping;
 
 pub mod recording;

@@ -1,4 +1,4 @@
-//! Matrices over the coordinates, padded to whole registers, so that their products take no sum across lanes.
+//! Matrices padded to whole registers, so that their products take no sum across lanes.
 
 use nalgebra::DMatrix;
 
@@ -9,16 +9,16 @@ use crate::physics::frame::support::PORT;
 #[derive(Debug, Clone)]
 pub struct Rows(Vec<[f64; LANES]>);
 
-/// A matrix `constant` + Ω `by_speed` over the coordinates.
+/// A matrix `constant` + Ω `by_speed`.
 #[derive(Debug, Clone)]
-pub(super) struct Coupling {
-    pub constant: Square,
-    pub by_speed: Square,
+pub(super) struct BySpeed {
+    pub constant: Padded,
+    pub by_speed: Padded,
 }
 
-/// A square matrix in blocks of rows. Each has its first column that is not zero, and the columns from there to its last one.
+/// A matrix in blocks of rows. Each has its first column that is not zero, and the columns from there to its last one.
 #[derive(Debug, Clone)]
-pub(super) struct Square(Vec<(usize, Vec<[f64; LANES]>)>);
+pub(super) struct Padded(Vec<(usize, Vec<[f64; LANES]>)>);
 
 impl Rows {
     /// `matrix`: a row for each of x, y, z, β_y, β_z.
@@ -42,56 +42,42 @@ impl Rows {
             *force += (x * by[0] + y * by[1]) + (z * by[2] + (about_y * by[3] + about_z * by[4]));
         }
     }
-
-    /// Displacements of this place by forces at another, each coordinate with its weight, as a row of columns for each of them.
-    pub(super) fn compliance(&self, other: &Self, weights: &[f64]) -> [[f64; LANES]; PORT] {
-        let sum = |row: usize, column: usize| -> f64 {
-            self.0.iter().zip(&other.0).zip(weights).map(|((a, b), weight)| a[row] * b[column] * weight).sum()
-        };
-        std::array::from_fn(|row| std::array::from_fn(|column| sum(row, column)))
-    }
 }
 
-impl Coupling {
-    /// Subtracts the product of the matrix at a speed with a vector.
+impl BySpeed {
+    /// Adds the product of a factor, the matrix at a speed and a vector.
     #[inline(always)]
-    pub fn subtract(&self, speed: f64, vector: &[f64], forces: &mut [f64]) {
-        self.constant.subtract(1.0, vector, forces);
-        self.by_speed.subtract(speed, vector, forces);
+    pub fn add_product(&self, factor: f64, speed: f64, vector: &[f64], sums: &mut [f64]) {
+        self.constant.add_product(factor, vector, sums);
+        self.by_speed.add_product(factor * speed, vector, sums);
     }
 }
 
-impl Square {
+impl Padded {
     pub fn of(matrix: &DMatrix<f64>) -> Self {
-        let size = matrix.nrows();
+        let (rows, columns) = matrix.shape();
         let block = |begin: usize| {
-            let rows = begin..size.min(begin + LANES);
-            let holds = |column: &usize| rows.clone().any(|row| matrix[(row, *column)] != 0.0);
-            let Some(first) = (0..size).find(holds) else { return (0, Vec::new()) };
-            let last = (first..size).rfind(holds).unwrap_or(first);
+            let of_block = begin..rows.min(begin + LANES);
+            let holds = |column: &usize| of_block.clone().any(|row| matrix[(row, *column)] != 0.0);
+            let Some(first) = (0..columns).find(holds) else { return (0, Vec::new()) };
+            let last = (first..columns).rfind(holds).unwrap_or(first);
             let entries = |column: usize| {
-                std::array::from_fn(|lane| if begin + lane < size { matrix[(begin + lane, column)] } else { 0.0 })
+                std::array::from_fn(|lane| if begin + lane < rows { matrix[(begin + lane, column)] } else { 0.0 })
             };
             (first, (first..=last).map(entries).collect())
         };
-        Self((0..size).step_by(LANES).map(block).collect())
+        Self((0..rows).step_by(LANES).map(block).collect())
     }
 
-    /// Largest sum of the magnitudes in a row.
-    pub fn largest_row(&self) -> f64 {
-        let row = |columns: &[[f64; LANES]], lane: usize| columns.iter().map(|column| column[lane].abs()).sum::<f64>();
-        self.0.iter().flat_map(|(_, columns)| (0..LANES).map(|lane| row(columns, lane))).fold(0.0, f64::max)
-    }
-
-    /// Subtracts the product of a factor, the matrix and a vector.
+    /// Adds the product of a factor, the matrix and a vector. Columns without an entry of the vector count as zero.
     #[inline(always)]
-    fn subtract(&self, factor: f64, vector: &[f64], forces: &mut [f64]) {
-        for ((first, columns), forces) in self.0.iter().zip(forces.chunks_mut(LANES)) {
-            if columns.is_empty() {
+    pub fn add_product(&self, factor: f64, vector: &[f64], sums: &mut [f64]) {
+        for ((first, columns), sums) in self.0.iter().zip(sums.chunks_mut(LANES)) {
+            if columns.is_empty() || *first >= vector.len() {
                 continue;
             }
-            let sums = weighted_sum(columns, &vector[*first..]);
-            forces.iter_mut().zip(sums).for_each(|(force, sum)| *force -= factor * sum);
+            let products = weighted_sum(columns, &vector[*first..]);
+            sums.iter_mut().zip(products).for_each(|(sum, product)| *sum += factor * product);
         }
     }
 }
@@ -124,22 +110,22 @@ mod tests {
 
     /// Blocks with zeros at their edges, an empty one and one that is not full.
     #[test]
-    fn a_square_matrix_times_a_vector() {
-        let size = 2 * LANES + 3;
+    fn a_matrix_times_a_vector() {
+        let (rows, columns) = (2 * LANES + 3, 2 * LANES + 5);
         let entry = |row: usize, column: usize| match row / LANES {
             0 if (3..9).contains(&column) => (row * 5 + column) as f64,
             2 => row as f64 - 2.0 * column as f64,
             _ => 0.0,
         };
-        let square = Square::of(&DMatrix::from_fn(size, size, entry));
-        let vector: Vec<f64> = (0..size).map(|k| 1.0 + k as f64).collect();
-        let mut forces = vec![1.0; size];
-        square.subtract(0.5, &vector, &mut forces);
-        for (row, force) in forces.into_iter().enumerate() {
-            let product: f64 = (0..size).map(|column| entry(row, column) * vector[column]).sum();
-            assert_eq!(force, 1.0 - 0.5 * product, "row {row}");
+        let matrix = Padded::of(&DMatrix::from_fn(rows, columns, entry));
+        for length in [2, 6, columns] {
+            let vector: Vec<f64> = (0..length).map(|k| 1.0 + k as f64).collect();
+            let mut sums = vec![1.0; rows];
+            matrix.add_product(-0.5, &vector, &mut sums);
+            for (row, sum) in sums.into_iter().enumerate() {
+                let product: f64 = (0..length).map(|column| entry(row, column) * vector[column]).sum();
+                assert_eq!(sum, 1.0 - 0.5 * product, "row {row} of {length} columns");
+            }
         }
-        let largest = |row: usize| (0..size).map(|column| entry(row, column).abs()).sum::<f64>();
-        assert_eq!(square.largest_row(), (0..size).map(largest).fold(0.0, f64::max));
     }
 }

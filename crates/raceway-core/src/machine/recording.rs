@@ -56,6 +56,8 @@ pub(crate) struct Recorder<'m> {
     course: Course,
     places: Places,
     frame: Vec<f64>,
+    /// Of the coordinates.
+    accelerations: Vec<f64>,
     signals: Vec<Vec<f64>>,
     bearings: Vec<BearingRecord>,
     instructions: InstructionSet,
@@ -79,6 +81,7 @@ impl<'m> Recorder<'m> {
                 bodies: vec![Moved::default(); dynamics.frame.bodies.len()],
             },
             frame: vec![0.0; channels.len()],
+            accelerations: vec![0.0; dynamics.frame.len()],
             signals: channels.iter().map(|_| Vec::with_capacity(values)).collect(),
             bearings: vec![BearingRecord::default(); dynamics.bearings.len()],
             dynamics,
@@ -147,7 +150,8 @@ impl<'m> Recorder<'m> {
 
     #[inline(always)]
     fn gather_by(&mut self, stepper: &MachineStepper<'_>) {
-        let [place, velocity, acceleration] = stepper.coordinates();
+        let (place, velocity) = stepper.coordinates();
+        stepper.write_accelerations(&mut self.accelerations);
         let frame = &self.dynamics.frame;
         let Places { rings, sensors, bodies } = &mut self.places;
         for (places, rows) in
@@ -156,7 +160,7 @@ impl<'m> Recorder<'m> {
             for (moved, rows) in places.iter_mut().zip(rows) {
                 moved.displacement = rows.of_place(place);
                 moved.velocity = rows.of_place(velocity);
-                moved.acceleration = rows.of_place(acceleration);
+                moved.acceleration = rows.of_place(&self.accelerations);
             }
         }
         let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };

@@ -134,9 +134,7 @@ impl MachineResult {
             .iter()
             .map(|(channel, values)| (*channel, metrics(*channel, values, &settings.band_edges)));
         let accelerations = recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
-        let speed = dynamics.speed.at(0.0).1;
-        let system = &dynamics.frame.system;
-        let natural = system.oscillations(speed).unwrap_or_default().into_iter().map(|oscillation| oscillation.value);
+        let natural = dynamics.free_motion.iter().flat_map(|motion| &motion.oscillating);
         Self {
             channels: channels.collect(),
             series: settings
@@ -157,7 +155,7 @@ impl MachineResult {
             left_out: left_out(dynamics.level()),
             settle: recording.start,
             duration: recording.signals[0].1.len() as f64 / RATE,
-            growth_rate: system.growth_rate(speed).ok(),
+            growth_rate: dynamics.free_motion.as_ref().map(|motion| motion.growth_rate),
             warnings: Vec::new(),
             accuracy,
             bearings,

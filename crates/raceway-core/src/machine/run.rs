@@ -15,7 +15,7 @@ use super::result::{Accuracy, MachineResult, ModelErrors};
 use super::settings::MachineSettings;
 use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength, stiffness_of_step};
-use super::warnings::{MOST_STIFFNESS, limit_of_step, warnings};
+use super::warnings::{MOST_STIFFNESS, warnings};
 use crate::numerics::statistics::rms;
 use crate::physics::operation::SpeedProfile;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
@@ -220,7 +220,8 @@ impl Run<'_> {
         let mut step = StepLength { longest: selected.unwrap_or_else(|| first_step(self.dynamics)), share: 1.0 };
         let may_shorten = |step: StepLength| selected.is_none() && step.halved().full() >= SHORTEST;
         let rejected = |step: f64, cause| {
-            MachineWarning::StepRejected(RejectedStep { step, cause, limit: limit_of_step(self.dynamics, step) })
+            let stiff_bearings = stiffness_of_step(self.dynamics, step) > MOST_STIFFNESS;
+            MachineWarning::StepRejected(RejectedStep { step, cause, stiff_bearings })
         };
         let (mut rejections, mut work, mut last_error) = (Vec::new(), Work::default(), None);
         loop {
@@ -232,7 +233,13 @@ impl Run<'_> {
                         control.part((RUN_SHARE, 1.0), |control| self.record(window, half, control, &mut work))?;
                     Ok((recording, again))
                 });
-            let (recording, again) = match recorded {
+            let recorded = recorded.and_then(|(recording, again)| match level_errors(&recording, &again) {
+                errors if errors.iter().any(|(_, error)| error.is_some_and(|error| !error.is_finite())) => {
+                    Err(Unrecorded::Lost { time: self.settle + duration, cause: Loss::FrameNotFinite })
+                }
+                errors => Ok((recording, again, errors)),
+            });
+            let (recording, again, errors) = match recorded {
                 Err(Unrecorded::Lost { time, cause }) if may_shorten(step) => {
                     rejections.push(rejected(step.full(), StepCause::Lost { time, loss: cause }));
                     step = step.halved();
@@ -242,9 +249,8 @@ impl Run<'_> {
                     let steps = selected.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
                     return Err(unrecorded.in_steps(steps));
                 }
-                Ok(both) => both,
+                Ok(recorded) => recorded,
             };
-            let errors: Vec<_> = level_errors(&recording, &again);
             let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
             let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
             // The error of a regular motion falls with the square of the step.
@@ -296,7 +302,7 @@ impl Run<'_> {
 
     /// Refuses a motion that no bearing can hold any more.
     fn check(&self, stepper: &MachineStepper<'_>) -> Result<(), Unrecorded> {
-        let [place, velocity, _] = stepper.coordinates();
+        let (place, velocity) = stepper.coordinates();
         let loss = |(index, of): (usize, &BearingStepper<'_>)| {
             let (bearing, name) = (&self.dynamics.bearings[index], &self.machine.bearings[index].name);
             let collision = of.touching().map(|_| Loss::Collision { bearing: name.clone() });
@@ -304,7 +310,9 @@ impl Run<'_> {
                 .or_else(|| bearing.loss_of_ring(name, self.dynamics.rings(index, place, velocity).apart()))
                 .or_else(|| bearing.loss_of_balls(name, |ball| of.seen(ball).load))
         };
-        match stepper.bearings().iter().enumerate().find_map(loss) {
+        let is_finite = place.iter().chain(velocity).all(|value| value.is_finite());
+        let of_frame = || (!is_finite).then_some(Loss::FrameNotFinite);
+        match stepper.bearings().iter().enumerate().find_map(loss).or_else(of_frame) {
             None => Ok(()),
             Some(cause) => Err(Unrecorded::Lost { time: stepper.time(), cause }),
         }
@@ -327,7 +335,7 @@ fn slowest_period(machine: &Machine) -> f64 {
 /// Time in which the slowest motion of the linear analysis decays by four e-folds, and cages turn three times against their outer rings [s]. The run starts near its
 /// stationary motion already.
 pub(super) fn settling_time(dynamics: &MachineDynamics) -> f64 {
-    let rate = dynamics.frame.system.growth_rate(dynamics.speed.at(0.0).1).unwrap_or_default();
+    let rate = dynamics.free_motion.as_ref().map_or(0.0, |motion| motion.growth_rate);
     let turning = dynamics.bearings.iter().map(|bearing| {
         let m = bearing.dynamics.mechanism();
         let turn = m.orbit_ratio * m.rotation.operating().relative().abs() / TAU;

@@ -23,10 +23,10 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
         place += amplitude.map(|value| value.re);
         velocity -= amplitude.map(|value| frequency * value.im);
     }
-    let (place, velocity) = (frame.from_analysis(&place), frame.from_analysis(&velocity));
+    let (place, velocity) = (place.as_slice(), velocity.as_slice());
     let mut state = Vec::new();
     for (index, bearing) in dynamics.bearings.iter().enumerate() {
-        let (name, rings) = (&machine.bearings[index].name, dynamics.rings(index, &place, &velocity));
+        let (name, rings) = (&machine.bearings[index].name, dynamics.rings(index, place, velocity));
         if let Some(cause) = bearing.loss_of_ring(name, rings.apart()) {
             return Err(MachineError::Lost { time: 0.0, cause, steps: StepsOfLoss::AtStart });
         }

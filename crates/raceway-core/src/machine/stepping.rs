@@ -1,9 +1,9 @@
 //! Fixed steps of a machine, one evaluation of each bearing a step.
 //!
-//! Balls and cages take their linearly implicit steps at a predicted motion of their rings. The coordinates of the shaft are advanced exactly
-//! under forces that follow the parabola through three nodes. The new node is extrapolated first. After the evaluation f̂ there, with
-//! the compliances H of the new node and the resistances K, C of the balls, (1 + K H_q + C H_v) Δf = f̂ − f corrects it implicitly.
-//! The past is kept as forces at the ports: increments of the coordinates' forces would let rounding grow.
+//! Balls and cages take their linearly implicit steps at a predicted motion of their rings. Shaft and housing are a linear system, advanced
+//! exactly under inputs that follow the parabola through three nodes. The bearings' forces at the new node are extrapolated first. After the
+//! evaluation f̂ there, with the compliances H of the new node and the resistances K, C of the balls, (1 + K H_q + C H_v) Δf = f̂ − f
+//! corrects them implicitly.
 //!
 //! A step ends at each kink of a load or of the speed. Short steps build the past of the steps after it.
 
@@ -12,9 +12,9 @@ use nalgebra::DMatrix;
 use super::bearing_stepper::BearingStepper;
 use super::equations::MachineDynamics;
 use super::frame::Frame;
-use super::padded::Rows;
 use super::port::{PortLoad, Predicted, Resistance};
-use super::propagator::{NODES, Propagator};
+use super::propagator::{ExactStep, NODES, Propagator};
+use super::speed_steps::SpeedSteps;
 use crate::numerics::dense::solve;
 use crate::numerics::lanes::{InstructionSet, LANES, Task};
 use crate::numerics::ode::adams::ahead;
@@ -27,17 +27,6 @@ const PORT: usize = 5;
 const START: usize = 16;
 /// Nodes that the bearings keep, the newest included.
 const BEARING_NODES: usize = 4;
-
-/// Forces on shaft and housing at one time.
-#[derive(Debug, Clone, Default)]
-struct Forces {
-    /// Of each bearing at its ports, one behind the other.
-    ports: Vec<f64>,
-    /// All others, over the coordinates.
-    rest: Vec<f64>,
-    /// Their sum over the coordinates.
-    sum: Vec<f64>,
-}
 
 /// Length of steps: a share of the one that bearings and loads allow, so that half of the share halves every step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,19 +64,19 @@ pub(crate) struct MachineStepper<'m> {
     length: StepLength,
     kinks: Vec<f64>,
     stretch: Stretch,
-    /// `Some` in the first steps of a stretch: forces at full distance while short steps build the past, oldest first.
-    start: Option<Vec<Forces>>,
+    /// `Some` in the first steps of a stretch: inputs at full distance while short steps build the past, oldest first.
+    start: Option<Vec<Vec<f64>>>,
     /// Full step of the stretch, and the present one.
     full_step: f64,
     step: f64,
     time: f64,
-    place: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-    /// At the last nodes, newest first.
-    past: [Forces; NODES],
+    /// Places and velocities of the coordinates.
+    motion: Vec<f64>,
+    /// Inputs of shaft and housing at the last nodes, newest first.
+    past: [Vec<f64>; NODES],
     /// Number of valid nodes.
     known: usize,
+    steps_at: SpeedSteps,
     formulas: Formulas,
     scratch: Scratch,
     evaluations: u64,
@@ -99,16 +88,21 @@ struct Scratch {
     /// 1 + K H_q + C H_v over the ports, row by row, and the right side and solution of its equations [N, N m].
     matrix: Vec<f64>,
     change: Vec<f64>,
-    /// Over the coordinates: additional forces, and those without forces at ports that were extrapolated.
-    forces: Vec<f64>,
-    foreseen: Vec<f64>,
+    /// The motion at the end of the step, and accelerations.
+    next: Vec<f64>,
+    accelerations: Vec<f64>,
 }
 
 /// Constants of steps of one length through a number of known nodes.
 struct Formulas {
-    propagator: Propagator,
+    /// With their shares, at the speeds around the present one.
+    propagators: Vec<(f64, Propagator)>,
     ahead: [f64; NODES],
-    /// Displacements and velocities of the ports in the step by forces at the new node.
+    of_ports: OfPorts,
+}
+
+/// Motions of the ports in a step by forces at the new node.
+struct OfPorts {
     places: Compliances,
     velocities: Compliances,
     /// Accelerations of the ports by the same forces, and the shares of each port's own radial ones in its place and velocity; of bearings whose load
@@ -117,18 +111,18 @@ struct Formulas {
     shares: Vec<Shares>,
 }
 
-impl Formulas {
-    fn new(dynamics: &MachineDynamics, step: f64, known: usize) -> Self {
-        let frame = &dynamics.frame;
-        let propagator = Propagator::new(&frame.squares, &frame.damping, step, (known + 1).min(NODES));
-        let compliances = |weights: &[f64]| Compliances::of(frame, weights);
-        let (places, velocities) = (compliances(&propagator.place[0]), compliances(&propagator.velocity[0]));
+impl OfPorts {
+    fn new(dynamics: &MachineDynamics, step: &ExactStep, speed: f64, known: usize) -> Self {
+        let (frame, size) = (&dynamics.frame, PORT * dynamics.frame.ports.len());
+        let [by_force, ..] = step.of_inputs(known);
+        let [of_place, of_velocity] =
+            [0, frame.len()].map(|first| by_force.view((first, 0), (frame.len(), size)).into_owned());
+        let [places, velocities] = [&of_place, &of_velocity].map(|motions| Compliances::of(frame, motions));
         let (mut accelerations, mut shares) = (None, Vec::new());
         if dynamics.needs_accelerations() {
-            let of_mode = |k: usize| {
-                1.0 - frame.damping[k] * propagator.velocity[0][k] - frame.squares[k] * propagator.place[0][k]
-            };
-            let by_force = compliances(&(0..frame.len()).map(of_mode).collect::<Vec<f64>>());
+            let [stiffness, damping] = frame.matrices(speed);
+            let motions = frame.inputs.columns(0, size) - damping * of_velocity - stiffness * of_place;
+            let by_force = Compliances::of(frame, &motions);
             // Over Y and Z together.
             let radial = |of: &Compliances, port: usize| of.block(port, port)[1][1] + of.block(port, port)[2][2];
             let share = |port: usize| {
@@ -138,7 +132,7 @@ impl Formulas {
             shares = (0..dynamics.bearings.len()).map(share).collect();
             accelerations = Some(by_force);
         }
-        Self { propagator, ahead: ahead(known), places, velocities, accelerations, shares }
+        Self { places, velocities, accelerations, shares }
     }
 }
 
@@ -149,10 +143,19 @@ struct Compliances {
 }
 
 impl Compliances {
-    /// The compliances of all ports. `weights`: motion of each coordinate by a unit force on it.
-    fn of(frame: &Frame, weights: &[f64]) -> Self {
-        let of_port = |port: &Rows| frame.ports.iter().map(|by| port.compliance(by, weights)).collect::<Vec<_>>();
-        Self { ports: frame.ports.len(), blocks: frame.ports.iter().flat_map(of_port).collect() }
+    /// The compliances of all ports. `motions`: of the coordinates, by the forces and moments at each port.
+    fn of(frame: &Frame, motions: &DMatrix<f64>) -> Self {
+        let ports = frame.ports.len();
+        let block = |pair: usize| {
+            let mut block = [[0.0; LANES]; PORT];
+            for column in 0..PORT {
+                let motion = motions.column(PORT * (pair % ports) + column);
+                let moved = frame.ports[pair / ports].of_place(motion.as_slice());
+                moved.into_iter().enumerate().for_each(|(row, moved)| block[row][column] = moved);
+            }
+            block
+        };
+        Self { ports, blocks: (0..ports * ports).map(block).collect() }
     }
 
     /// Motion of a port by forces at another.
@@ -185,7 +188,9 @@ impl Compliances {
 /// K is the stiffness of the bearings at the operating point, H the compliance of the coordinates at the new node.
 pub(super) fn stiffness_of_step(dynamics: &MachineDynamics, step: f64) -> f64 {
     let size = PORT * dynamics.bearings.len();
-    let places = between_rings(dynamics, &Formulas::new(dynamics, step, NODES).places);
+    let speed = dynamics.speed.at(0.0).1;
+    let exact = ExactStep::of(&dynamics.frame, speed, step);
+    let places = between_rings(dynamics, &OfPorts::new(dynamics, &exact, speed, NODES).places);
     let mut product = vec![0.0; size * size];
     let Some(point) = dynamics.frame.system.operating.first() else { return 0.0 };
     for (index, (bearing, ring)) in dynamics.bearings.iter().zip(&point.rings).enumerate() {
@@ -219,7 +224,7 @@ fn between_rings(dynamics: &MachineDynamics, of_ports: &Compliances) -> Complian
 impl<'m> MachineStepper<'m> {
     /// Starts at a state.
     pub(crate) fn new(dynamics: &'m MachineDynamics, time: f64, state: &[f64], length: StepLength) -> Self {
-        let (size, ports) = (dynamics.frame.len(), PORT * dynamics.frame.ports.len());
+        let (frame, ports) = (&dynamics.frame, PORT * dynamics.frame.ports.len());
         let (place, velocity) = dynamics.coordinates(state);
         let stepper = |(index, part): (usize, &[f64])| {
             BearingStepper::new(&dynamics.bearings[index], time, part, dynamics.rings(index, place, velocity))
@@ -230,17 +235,16 @@ impl<'m> MachineStepper<'m> {
             .enumerate()
             .map(|(index, stepper)| stepper.first_load(&dynamics.rings(index, place, velocity)))
             .collect();
-        let mut rates = vec![0.0; state.len()];
-        let loads = dynamics.evaluate(time, state, &mut rates, |_| None);
+        let loads = dynamics.evaluate(time, state, &mut vec![0.0; state.len()], |_| None);
         let of_rings = || dynamics.bearings.iter().zip(&loads.rings);
         let on_shaft = of_rings()
             .zip(first)
             .flat_map(|((bearing, load), first)| first.unwrap_or_else(|| bearing.on_shaft(&load.inner)));
-        let moving = of_rings().zip(&dynamics.frame.outer).filter(|(_, outer)| outer.is_some());
+        let moving = of_rings().zip(&frame.outer).filter(|(_, outer)| outer.is_some());
         let on_housing = moving.flat_map(|((bearing, load), _)| bearing.on_shaft(&load.outer));
-        let mut forces = Forces { ports: on_shaft.chain(on_housing).collect(), rest: vec![0.0; size], sum: Vec::new() };
-        dynamics.frame.forces(time, dynamics.speed.at(time), place, velocity, &mut forces.rest);
-        forces.add_up(dynamics);
+        let mut inputs: Vec<f64> = on_shaft.chain(on_housing).collect();
+        inputs.resize(frame.inputs.ncols(), 0.0);
+        let mut steps_at = SpeedSteps::new(&dynamics.speed, frame.depends_on_speed());
         let mut stepper = Self {
             bearings,
             length,
@@ -250,17 +254,16 @@ impl<'m> MachineStepper<'m> {
             full_step: length.longest,
             step: length.longest,
             time,
-            place: place.to_vec(),
-            velocity: velocity.to_vec(),
-            acceleration: rates[rates.len() - size..].to_vec(),
-            past: std::array::from_fn(|_| forces.clone()),
+            motion: [place, velocity].concat(),
+            past: std::array::from_fn(|_| inputs.clone()),
             known: 1,
-            formulas: Formulas::new(dynamics, length.longest, 1),
+            formulas: Formulas::new(dynamics, &mut steps_at, time, length.longest, 1),
+            steps_at,
             scratch: Scratch {
                 matrix: vec![0.0; ports * ports],
                 change: vec![0.0; ports],
-                forces: vec![0.0; size],
-                foreseen: vec![0.0; size],
+                next: vec![0.0; 2 * frame.len()],
+                accelerations: vec![0.0; frame.len()],
             },
             evaluations: 1,
             instructions: InstructionSet::best(),
@@ -283,22 +286,23 @@ impl<'m> MachineStepper<'m> {
             }
         };
         // What follows the kink, not what leads to it.
-        let dynamics = self.dynamics;
         let after = from.next_up();
-        let now = &mut self.past[0];
-        dynamics.frame.forces(after, dynamics.speed.at(after), &self.place, &self.velocity, &mut now.rest);
-        now.add_up(dynamics);
+        self.dynamics.frame.write_loads(after, self.dynamics.speed.at(after), &mut self.past[0]);
         self.known = 1;
         self.step = self.full_step / START as f64;
-        self.formulas = Formulas::new(dynamics, self.step, self.known);
+        self.renew_formulas();
         self.bearings.iter_mut().for_each(BearingStepper::begin);
         self.start = Some(Vec::new());
+    }
+
+    fn renew_formulas(&mut self) {
+        self.formulas = Formulas::new(self.dynamics, &mut self.steps_at, self.time, self.step, self.known);
     }
 
     /// One step, the first of a stretch in short steps of rising order, compiled for the processor's instructions.
     pub(crate) fn advance(&mut self) {
         match self.start.take() {
-            None => self.instructions.run(Step(self)),
+            None => self.advance_once(),
             Some(past) => self.advance_start(past),
         }
         self.stretch.left -= 1;
@@ -308,11 +312,15 @@ impl<'m> MachineStepper<'m> {
         }
     }
 
-    fn advance_start(&mut self, mut past: Vec<Forces>) {
+    fn advance_start(&mut self, mut past: Vec<Vec<f64>>) {
         self.bearings.iter_mut().for_each(BearingStepper::keep);
         past.push(self.past[0].clone());
         for _ in 0..START {
-            self.instructions.run(Step(self));
+            self.advance_once();
+            if self.known < NODES {
+                self.known += 1;
+                self.renew_formulas();
+            }
         }
         if past.len() < BEARING_NODES - 1 {
             self.start = Some(past);
@@ -323,7 +331,16 @@ impl<'m> MachineStepper<'m> {
             *node = old;
         }
         self.step = self.full_step;
-        self.formulas = Formulas::new(self.dynamics, self.step, NODES);
+        self.renew_formulas();
+    }
+
+    fn advance_once(&mut self) {
+        let middle = self.dynamics.speed.at(self.time + 0.5 * self.step).1;
+        match self.steps_at.shares(middle) {
+            Some(shares) => self.formulas.propagators.iter_mut().zip(shares).for_each(|(of, share)| of.0 = share),
+            None => self.renew_formulas(),
+        }
+        self.instructions.run(Step(self));
     }
 
     #[inline(always)]
@@ -331,19 +348,23 @@ impl<'m> MachineStepper<'m> {
         let end = self.time + self.step;
         // The new node takes the place of the oldest one.
         self.past.rotate_right(1);
-        let Self { dynamics, formulas, past: [new, now, before], scratch, place, velocity, .. } = self;
-        let Scratch { matrix, change, forces, foreseen } = scratch;
-        let frame = &dynamics.frame;
-        let propagator = &formulas.propagator;
-        new.extrapolate(&formulas.ahead, now, before);
-        propagator.advance(place, velocity, [&new.sum, &now.sum, &before.sum]);
+        let Self { dynamics, formulas, past: [new, now, before], scratch, motion, .. } = self;
+        let Scratch { matrix, change, next, accelerations } = scratch;
+        let (frame, of_ports, turning) = (&dynamics.frame, &formulas.of_ports, dynamics.speed.at(end));
+        let size = PORT * frame.ports.len();
+        extrapolate(&formulas.ahead, &mut new[..size], &now[..size], &before[..size]);
+        frame.write_loads(end, turning, new);
+        next.fill(0.0);
+        for (share, propagator) in &formulas.propagators {
+            propagator.add_step(*share, motion, [new, now, before], next);
+        }
 
         // Bearings at the predicted motion of their rings.
-        let size = PORT * frame.ports.len();
+        let (place, velocity) = next.split_at(frame.len());
         matrix.fill(0.0);
         (0..size).for_each(|k| matrix[k * size + k] = 1.0);
-        if formulas.accelerations.is_some() {
-            accelerations(frame, &new.sum, place, velocity, foreseen);
+        if of_ports.accelerations.is_some() {
+            frame.write_accelerations(turning.1, (place, velocity), new, accelerations);
         }
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
             let mut predicted = Predicted {
@@ -351,9 +372,9 @@ impl<'m> MachineStepper<'m> {
                 acceleration: [0.0; 2],
                 shares: Shares::default(),
             };
-            if formulas.accelerations.is_some() {
-                let [_, y, z, _, _] = frame.ports[index].of_place(foreseen);
-                (predicted.acceleration, predicted.shares) = ([y, z], formulas.shares[index]);
+            if of_ports.accelerations.is_some() {
+                let [_, y, z, _, _] = frame.ports[index].of_place(accelerations);
+                (predicted.acceleration, predicted.shares) = ([y, z], of_ports.shares[index]);
             }
             let [inner, outer] = stepper.advance(end, self.step, &predicted);
             let of_outer = frame.outer[index].as_ref().map(|port| (port.port, outer));
@@ -361,41 +382,28 @@ impl<'m> MachineStepper<'m> {
                 let Some(PortLoad { wrench, resistance }) = load else { continue };
                 let rows = PORT * port;
                 for (k, force) in wrench.into_iter().enumerate() {
-                    change[rows + k] = force - new.ports[rows + k];
+                    change[rows + k] = force - new[rows + k];
                 }
                 let Resistance { stiffness, damping, slope } = resistance;
-                formulas.places.add_product(matrix, port, &stiffness);
-                formulas.velocities.add_product(matrix, port, &damping);
-                if let Some((slope, by_force)) = slope.zip(formulas.accelerations.as_ref()) {
+                of_ports.places.add_product(matrix, port, &stiffness);
+                of_ports.velocities.add_product(matrix, port, &damping);
+                if let Some((slope, by_force)) = slope.zip(of_ports.accelerations.as_ref()) {
                     by_force.add_product(matrix, port, &slope);
                 }
             }
         }
         solve(matrix, change);
-        new.ports.iter_mut().zip(&*change).for_each(|(force, change)| *force += change);
-        forces.fill(0.0);
-        add_port_forces(dynamics, change, forces);
-        propagator.add(place, velocity, forces);
-
-        // What couples coordinates, at the corrected motion.
-        foreseen.copy_from_slice(&new.rest);
-        frame.forces(end, dynamics.speed.at(end), place, velocity, &mut new.rest);
-        for ((force, rest), foreseen) in forces.iter_mut().zip(&new.rest).zip(foreseen) {
-            *force = rest - *foreseen;
+        new.iter_mut().zip(&*change).for_each(|(force, change)| *force += change);
+        for (share, propagator) in &formulas.propagators {
+            propagator.add_change(*share, change, next);
         }
-        propagator.add(place, velocity, forces);
-
-        new.add_up(dynamics);
-        accelerations(frame, &new.sum, place, velocity, &mut self.acceleration);
+        std::mem::swap(motion, next);
+        let (place, velocity) = motion.split_at(frame.len());
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
             stepper.finish(|| dynamics.rings(index, place, velocity));
         }
         self.time = end;
         self.evaluations += 1;
-        if self.known < NODES {
-            self.known += 1;
-            self.formulas = Formulas::new(self.dynamics, self.step, self.known);
-        }
     }
 
     pub(crate) fn time(&self) -> f64 {
@@ -410,14 +418,31 @@ impl<'m> MachineStepper<'m> {
         &self.bearings
     }
 
-    /// Places, velocities and accelerations of the coordinates.
-    pub(crate) fn coordinates(&self) -> [&[f64]; 3] {
-        [&self.place, &self.velocity, &self.acceleration]
+    /// Places and velocities of the coordinates.
+    pub(crate) fn coordinates(&self) -> (&[f64], &[f64]) {
+        self.motion.split_at(self.dynamics.frame.len())
+    }
+
+    /// Writes the accelerations of the coordinates.
+    #[inline(always)]
+    pub(crate) fn write_accelerations(&self, accelerations: &mut [f64]) {
+        let speed = self.dynamics.speed.at(self.time).1;
+        self.dynamics.frame.write_accelerations(speed, self.coordinates(), &self.past[0], accelerations);
     }
 
     /// Forces and moments of a bearing on the shaft.
     pub(crate) fn wrench(&self, bearing: usize) -> &[f64] {
-        &self.past[0].ports[PORT * bearing..PORT * (bearing + 1)]
+        &self.past[0][PORT * bearing..PORT * (bearing + 1)]
+    }
+}
+
+impl Formulas {
+    fn new(dynamics: &MachineDynamics, steps_at: &mut SpeedSteps, time: f64, step: f64, known: usize) -> Self {
+        let speed = dynamics.speed.at(time + 0.5 * step).1;
+        let around = steps_at.around(&dynamics.frame, speed, step);
+        let of_ports = OfPorts::new(dynamics, around[0].1, speed, known);
+        let propagators = around.into_iter().map(|(share, exact)| (share, exact.propagator(known))).collect();
+        Self { propagators, ahead: ahead(known), of_ports }
     }
 }
 
@@ -433,43 +458,10 @@ impl Task for Step<'_, '_> {
     }
 }
 
-impl Forces {
-    /// Replaces the forces of the oldest node by those at the next one, on the polynomial through all.
-    #[inline(always)]
-    fn extrapolate(&mut self, weights: &[f64; NODES], now: &Self, before: &Self) {
-        let combine = |oldest: &mut [f64], now: &[f64], before: &[f64]| {
-            for ((oldest, now), before) in oldest.iter_mut().zip(now).zip(before) {
-                *oldest = weights[0] * now + weights[1] * before + weights[2] * *oldest;
-            }
-        };
-        combine(&mut self.ports, &now.ports, &before.ports);
-        combine(&mut self.rest, &now.rest, &before.rest);
-        combine(&mut self.sum, &now.sum, &before.sum);
-    }
-
-    /// Forms the sum. It is formed anew from the forces at the ports in each step, so that its rounding does not grow.
-    #[inline(always)]
-    fn add_up(&mut self, dynamics: &MachineDynamics) {
-        self.sum.clone_from(&self.rest);
-        add_port_forces(dynamics, &self.ports, &mut self.sum);
-    }
-}
-
-/// Writes the accelerations of the coordinates under forces.
+/// Replaces the forces of the oldest node by those at the next one, on the polynomial through all.
 #[inline(always)]
-fn accelerations(frame: &Frame, forces: &[f64], place: &[f64], velocity: &[f64], accelerations: &mut [f64]) {
-    // Slices of one known length need no check in the loop.
-    let size = accelerations.len();
-    let (forces, place, velocity) = (&forces[..size], &place[..size], &velocity[..size]);
-    let (damping, squares) = (&frame.damping[..size], &frame.squares[..size]);
-    for k in 0..size {
-        accelerations[k] = forces[k] - (damping[k] * velocity[k] + squares[k] * place[k]);
-    }
-}
-
-#[inline(always)]
-fn add_port_forces(dynamics: &MachineDynamics, ports: &[f64], forces: &mut [f64]) {
-    for (rows, wrench) in dynamics.frame.ports.iter().zip(ports.as_chunks::<PORT>().0) {
-        rows.add_forces(wrench, forces);
+fn extrapolate(weights: &[f64; NODES], oldest: &mut [f64], now: &[f64], before: &[f64]) {
+    for ((oldest, now), before) in oldest.iter_mut().zip(now).zip(before) {
+        *oldest = weights[0] * now + weights[1] * before + weights[2] * *oldest;
     }
 }

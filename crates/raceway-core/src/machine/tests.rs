@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
+use super::frame::Frame;
 use super::input::{Machine, MachineBearing, Part, Sensor};
 use super::run::simulate;
 use super::settings::{MachineSettings, RANGE};
@@ -140,7 +141,19 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
         sum += 0.5 * m.cage.transverse_inertia * (cage.tilt_rate[0].powi(2) + cage.tilt_rate[1].powi(2));
         sum - m.cage.mass * m.gravity * cage.centre[1]
     };
-    dynamics.frame.energy(place, velocity) + parts.map(of_part).sum::<f64>()
+    energy_of_frame(&dynamics.frame, place, velocity) + parts.map(of_part).sum::<f64>()
+}
+
+/// Energy of shaft and housing [J], constant loads included; moments of a turning shaft do no work.
+fn energy_of_frame(frame: &Frame, place: &[f64], velocity: &[f64]) -> f64 {
+    let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
+    let ([stiffness, _], load) = (frame.matrices(0.0), frame.inputs.column(frame.inputs.ncols() - 1));
+    0.5 * (velocity.dot(&velocity) + place.dot(&(stiffness * &place))) - load.dot(&place)
+}
+
+/// Angular frequency of a coordinate by itself [rad/s].
+fn frequency_of(frame: &Frame, coordinate: usize) -> f64 {
+    frame.system.linear[0][(coordinate, coordinate)].sqrt()
 }
 
 /// Sum of the elastic energies of the contacts.
@@ -177,7 +190,7 @@ fn disturbed(state: &[f64], dynamics: &MachineDynamics) -> Vec<f64> {
     let mut random = SplitMix64::new(7);
     let size = dynamics.frame.len();
     let of_frame = state.len() - 2 * size;
-    let frequency = |k: usize| dynamics.frame.squares[k].sqrt().max(1e3);
+    let frequency = |k: usize| frequency_of(&dynamics.frame, k).max(1e3);
     let scale = |k: usize| match k {
         k if k < of_frame => 1e-6,
         k if k < of_frame + size => 1e-2 / frequency(k - of_frame),
@@ -311,7 +324,7 @@ fn after(machine: &Machine, time: f64, step: f64) -> Vec<[f64; 5]> {
     while stepper.time() < time - 0.5 * step {
         stepper.advance();
     }
-    dynamics.frame.ports.iter().map(|port| port.of_place(stepper.coordinates()[0])).collect()
+    dynamics.frame.ports.iter().map(|port| port.of_place(stepper.coordinates().0)).collect()
 }
 
 /// The mirror image of a machine moves as its mirror image: bearings change their facing, motion along X and tilts their sign.

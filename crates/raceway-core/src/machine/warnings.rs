@@ -1,31 +1,16 @@
 //! Reasons to doubt the numbers of a run, and what limits its steps.
 
 use super::channel::MachineChannel;
-use super::codes::{LastStep, LaterChange, MachineWarning, StepLimit};
+use super::codes::{LastStep, LaterChange, MachineWarning};
 use super::equations::MachineDynamics;
 use super::input::Machine;
 use super::result::{BearingMetrics, MachineResult, SignalMetrics};
-use super::stepping::stiffness_of_step;
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
 use crate::simulation::solve::startup::SETTLED_EFOLDS;
 
-/// Largest change of a velocity in a step by the velocities of other coordinates, which are taken explicitly, over these velocities [-].
-const MOST_COUPLING: f64 = 0.2;
 /// Largest eigenvalue of K H [-] up to which the correction of the ports' forces is stable.
 pub(super) const MOST_STIFFNESS: f64 = 0.1;
-
-/// What limits steps of a length [s] most; `None` where nothing does.
-pub(super) fn limit_of_step(dynamics: &MachineDynamics, step: f64) -> Option<StepLimit> {
-    let [dashpots, gyroscopic] = dynamics.frame.coupling_rates(dynamics.speed.largest());
-    let measures = [
-        (StepLimit::Dashpots, step * dashpots / MOST_COUPLING),
-        (StepLimit::Gyroscopic, step * gyroscopic / MOST_COUPLING),
-        (StepLimit::BearingStiffness, stiffness_of_step(dynamics, step) / MOST_STIFFNESS),
-    ];
-    let most = measures.into_iter().max_by(|one, other| one.1.total_cmp(&other.1));
-    most.filter(|(_, measure)| *measure > 1.0).map(|(limit, _)| limit)
-}
 
 /// Reasons to doubt the numbers of a run.
 pub(super) fn warnings(

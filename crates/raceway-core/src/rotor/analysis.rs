@@ -45,7 +45,8 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
             .collect(),
     };
     check(stop)?;
-    let operating = operating_system.oscillations(rotor.speed)?;
+    let (operating, growth_rate) = operating_system
+        .free_motion(rotor.speed, |motion| Some((motion.oscillations(request.modes)?, motion.growth_rate())))?;
     check(stop)?;
     let highest = request.speeds.last().copied().unwrap_or_default();
     let criticals = criticals(&system, &request.speeds, &courses, highest).into_iter().map(|(speed, oscillation)| {
@@ -68,8 +69,8 @@ pub fn analyse(rotor: &Rotor, request: &Request, stop: &dyn Fn() -> bool) -> Res
         nodes: coordinates.mesh.nodes.clone(),
         coordinates: coordinates.len(),
         modes: courses.iter().map(of_course).collect(),
-        operating_modes: operating.iter().take(request.modes).map(|o| mode(o, coordinates, rotor.speed)).collect(),
-        growth_rate: operating_system.growth_rate(rotor.speed)?,
+        operating_modes: operating.iter().map(|o| mode(o, coordinates, rotor.speed)).collect(),
+        growth_rate,
         criticals: criticals.collect(),
         stations: rotor.places().into_iter().map(|at| of_station(&system, at, &responses)).collect(),
         supports: forces.supports,
@@ -121,9 +122,8 @@ fn on_mesh(
         check(stop)?;
         let system = System::of(rotor, mesh.clone(), count, &[rotor.speed])?;
         check(stop)?;
-        let oscillations = system.oscillations(0.0)?;
-        let frequencies: Vec<f64> =
-            oscillations.iter().take(modes).map(|oscillation| oscillation.value.norm()).collect();
+        let values = system.free_motion(0.0, |motion| Some(motion.oscillating()))?;
+        let frequencies: Vec<f64> = values.iter().take(modes).map(|value| value.norm()).collect();
         let highest = frequencies.last().copied().unwrap_or_default();
         // A coarse mesh has no more modes to give.
         let has_all = system.coordinates.len() == coordinates;

@@ -21,8 +21,7 @@ pub fn courses(
     count: usize,
     stop: &dyn Fn() -> bool,
 ) -> Result<Vec<Course>, RotorError> {
-    let mut first = system.oscillations(speeds[0])?;
-    first.truncate(count);
+    let first = system.oscillations(speeds[0], count)?;
     let mut courses: Vec<Course> = first.into_iter().map(|oscillation| vec![Some(oscillation)]).collect();
     for (index, speed) in speeds.iter().enumerate().skip(1) {
         if stop() {
@@ -32,7 +31,7 @@ pub fn courses(
         let expected: Vec<_> = courses.iter().map(|course| expected(course, speeds, index)).collect();
         let next = match followed(&expected, &stiffness, &damping) {
             Some(next) => next.into_iter().map(Some).collect(),
-            None => matched(&expected, system.oscillations(*speed)?),
+            None => matched(&expected, system.oscillations(*speed, usize::MAX)?),
         };
         courses.iter_mut().zip(next).for_each(|(course, next)| course.push(next));
     }

@@ -7,7 +7,7 @@ use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorBearing, RotorError};
 use super::operating::{OperatingPoint, in_nalgebra, operating_point};
 use super::potential::Frame;
 use super::springs::{between_rings, springs};
-use crate::numerics::quadratic_eigen::{Oscillation, growth_rate, oscillations};
+use crate::numerics::quadratic_eigen::{FreeMotion, Oscillation};
 use crate::physics::frame::mesh::Mesh;
 
 /// q̈ + C(Ω) q̇ + K(Ω) q = f over the coordinates of shaft and housing.
@@ -247,16 +247,21 @@ impl System {
         &self.rotating
     }
 
-    /// Every oscillation at a speed, by its natural frequency |λ|.
-    pub fn oscillations(&self, speed: f64) -> Result<Vec<Oscillation>, RotorError> {
+    /// What is asked of the free motions at a speed [rad/s].
+    pub fn free_motion<T>(&self, speed: f64, ask: impl FnOnce(&FreeMotion<'_>) -> Option<T>) -> Result<T, RotorError> {
         let (stiffness, damping) = self.matrices(speed);
-        oscillations(&stiffness, &damping).ok_or_else(|| unsolved(&stiffness))
+        let answer = FreeMotion::of(&stiffness, &damping).and_then(|motion| ask(&motion));
+        answer.ok_or_else(|| unsolved(&stiffness))
+    }
+
+    /// The lowest oscillations at a speed [rad/s], by their natural frequency |λ|.
+    pub fn oscillations(&self, speed: f64, count: usize) -> Result<Vec<Oscillation>, RotorError> {
+        self.free_motion(speed, |motion| motion.oscillations(count))
     }
 
     /// Largest growth rate of any motion at a speed [1/s]; negative: all decay.
     pub fn growth_rate(&self, speed: f64) -> Result<f64, RotorError> {
-        let (stiffness, damping) = self.matrices(speed);
-        growth_rate(&stiffness, &damping).ok_or_else(|| unsolved(&stiffness))
+        self.free_motion(speed, |motion| Some(motion.growth_rate()))
     }
 }
 

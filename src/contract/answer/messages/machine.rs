@@ -1,7 +1,7 @@
 //! Messages of a machine.
 
 use raceway_core::machine::codes::{
-    LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause, StepLimit,
+    LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause,
 };
 use raceway_core::machine::input::Machine;
 use raceway_core::simulation::error::codes::Warning;
@@ -157,7 +157,7 @@ fn of_surface(bearing: &str, warning: &Warning) -> MessageAnswer {
 
 fn of_rejected_step(
     machine: &Machine,
-    RejectedStep { step, cause, limit }: &RejectedStep,
+    RejectedStep { step, cause, stiff_bearings }: &RejectedStep,
 ) -> (MessageCode, String, Vec<(&'static str, Value)>) {
     let mut values = vec![("step_s", json!(step))];
     let cause = match cause {
@@ -169,28 +169,14 @@ fn of_rejected_step(
             format!("half of them change the level of {channel}, an error of {error_db} dB")
         }
     };
-    let limit = limit.map(|limit| {
-        let (name, text) = match limit {
-            StepLimit::Dashpots => (
-                "dashpots",
-                "Dashpots of supports couple motions of the shaft so strongly that they need short steps; less damping allows longer ones.",
-            ),
-            StepLimit::Gyroscopic => (
-                "gyroscopic-moments",
-                "Gyroscopic moments couple motions of the shaft so strongly that they need short steps.",
-            ),
-            StepLimit::BearingStiffness => (
-                "bearing-stiffness",
-                "The bearings are so stiff against the inertia of the shaft at their places that they need short steps.",
-            ),
-        };
-        values.push(("limit", json!(name)));
-        format!(" {text}")
-    });
+    let mut limit = "";
+    if *stiff_bearings {
+        values.push(("limit", json!("bearing-stiffness")));
+        limit = " The bearings are so stiff against the inertia of the shaft at their places that they need short steps.";
+    }
     let text = format!(
-        "Steps of {} µs were rejected: {cause}.{}",
-        significant(US.to_user(*step), 3),
-        limit.unwrap_or_default()
+        "Steps of {} µs were rejected: {cause}.{limit}",
+        significant(US.to_user(*step), 3)
     );
     (MessageCode::CandidateRejected, text, values)
 }

@@ -3,11 +3,14 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 
+use nalgebra::Complex;
+
 use super::*;
 use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, Shock};
 use crate::physics::samples::Samples;
 use crate::rotor::input::PlacedLoad;
+use crate::rotor::response::of_unbalance;
 
 /// Stiffness of the supports together [N/m], mass [kg] and angular frequency [rad/s].
 const STIFFNESS: f64 = 4e6;
@@ -63,7 +66,7 @@ fn course(machine: &Machine, end: f64) -> Vec<(f64, [f64; 2])> {
     let mut course = Vec::new();
     while stepper.time() < end {
         stepper.advance();
-        let [_, y, z, _, _] = dynamics.frame.sensors[0].of_place(stepper.coordinates()[0]);
+        let [_, y, z, _, _] = dynamics.frame.sensors[0].of_place(stepper.coordinates().0);
         course.push((stepper.time(), [y, z]));
     }
     course
@@ -203,4 +206,75 @@ fn a_run_up_beyond_the_threshold_of_rotating_damping_is_named() {
     assert_eq!(to(15_000.0), Ok(()));
     let error = to(60_000.0).unwrap_err().to_string();
     assert!(error.contains("rotating_share") && error.contains("and 59") && error.contains("between"), "{error}");
+}
+
+/// A disc of 2 kg that overhangs two supports with dashpots at 30 000 r/min: gyroscopic moments and dashpots couple its coordinates strongly.
+fn overhung() -> Machine {
+    let mut machine = motor_spindle();
+    let speed = 30_000.0 * RPM;
+    machine.bearings.clear();
+    machine.rotor.bearings.clear();
+    machine.rotor.shaft.sections = vec![Section { length: 0.2, tube: Tube { outer_diameter: 0.03, inner_diameter: 0.0 } }];
+    machine.rotor.shaft.discs = vec![Disc { at: 0.2, mass: 2.0, transverse_inertia: 4e-3, axial_inertia: 8e-3 }];
+    machine.rotor.shaft.damping_ratio = 0.001;
+    machine.rotor.shaft.is_axially_free = false;
+    machine.rotor.unbalances = vec![UnbalancePlane { at: 0.2, product: 5e-6, phase: 0.0 }];
+    machine.rotor.load = [0.0; 3];
+    let support = |at, along_z| Support {
+        at,
+        on: None,
+        stiffness: diagonal([0.0, 1e8, along_z, 0.0, 0.0]),
+        damping: diagonal([0.0, 300.0, 300.0, 0.0, 0.0]),
+    };
+    machine.rotor.supports = vec![support(0.02, 8e7), support(0.12, 9e7)];
+    (machine.rotor.speed, machine.speed) = (speed, SpeedProfile::constant(speed).unwrap());
+    machine.sensors = vec![on_shaft("disc", 0.2, Axis::Y)];
+    machine
+}
+
+/// A machine on supports keeps the linear response from which it starts, within 2e-6 of it, also with dashpots far above the critical damping.
+#[test]
+fn a_machine_on_supports_keeps_its_linear_response() {
+    for dashpots in [300.0, 2e5] {
+        let mut machine = overhung();
+        machine.rotor.gravity = 0.0;
+        machine.rotor.supports[0].damping = diagonal([0.0, dashpots, dashpots, 0.0, 0.0]);
+        let course = course(&machine, 0.2);
+        let (dynamics, _) = started(&machine);
+        let response = of_unbalance(&dynamics.frame.system, &machine.rotor.unbalances, machine.rotor.speed);
+        let [along_y, along_z] = [1, 2].map(|axis| {
+            let coordinates = &dynamics.frame.system.coordinates;
+            let rows = coordinates.port(coordinates.mesh.node(0.2));
+            (0..response.len()).map(|k| response[k] * rows[(axis, k)]).sum::<Complex<f64>>()
+        });
+        let size = along_y.norm().max(along_z.norm());
+        for (time, place) in course.into_iter().step_by(97) {
+            let turned = Complex::from_polar(1.0, machine.rotor.speed * time);
+            for (found, amplitude) in place.into_iter().zip([along_y, along_z]) {
+                let off = (found - (amplitude * turned).re).abs() / size;
+                assert!(off < 2e-6, "{dashpots} N s/m: {off:e} at {time} s");
+            }
+        }
+    }
+}
+
+/// A run-up with strong gyroscopic moments in the motion of an integrator with error control.
+#[test]
+fn a_run_up_with_gyroscopic_moments_converges_to_the_motion() {
+    let machine = turning(overhung(), vec![(0.0, 0.0), (0.02, 30_000.0 * RPM)]);
+    let (dynamics, state) = started(&machine);
+    let time = 0.02;
+    let mut reference =
+        Method::DormandPrince.start(&dynamics, 0.0, &state, Tolerances::uniform(state.len(), 1e-8, 1e-13), None);
+    while reference.time() < time {
+        reference.step(time).unwrap();
+    }
+    let [_, y, z, _, _] = dynamics.frame.sensors[0].of_place(dynamics.coordinates(reference.state()).0);
+    let course = course(&machine, time - 1e-7);
+    let size = course.iter().fold(0.0, |size, (_, [y, z])| f64::max(size, y.hypot(*z)));
+    let (end, found) = course[course.len() - 1];
+    assert!((end - time).abs() < 1e-9, "{end}");
+    let off = (found[0] - y).hypot(found[1] - z) / size;
+    println!("{off:e} of {size:e} m");
+    assert!(off < 1e-3, "{off:e}");
 }

@@ -148,13 +148,19 @@ fn add_bearing(
 fn add_shaft(powers: &mut Powers, dynamics: &MachineDynamics, state: &[f64], rates: &[f64]) {
     let (frame, (place, velocity)) = (&dynamics.frame, dynamics.coordinates(state));
     let (_, acceleration) = dynamics.coordinates(rates);
-    let mut forces = vec![0.0; frame.len()];
-    frame.forces(0.0, dynamics.speed.at(0.0), place, velocity, &mut forces);
-    for k in 0..frame.len() {
-        powers.add("inertia of the shaft", -velocity[k] * acceleration[k]);
-        powers.add("bending", -velocity[k] * frame.squares[k] * place[k]);
-        powers.add("damping of the shaft", -frame.damping[k] * velocity[k] * velocity[k]);
-        powers.add("loads of the shaft", velocity[k] * forces[k]);
+    let turning = dynamics.speed.at(0.0);
+    let mut inputs = vec![0.0; frame.inputs.ncols()];
+    frame.write_loads(0.0, turning, &mut inputs);
+    let [stiffness, damping] = frame.matrices(turning.1);
+    let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
+    let forces = [
+        ("inertia of the shaft", -DVector::from_row_slice(acceleration)),
+        ("bending", -(stiffness * place)),
+        ("damping of the shaft", -(damping * &velocity)),
+        ("loads of the shaft", &frame.inputs * DVector::from_vec(inputs)),
+    ];
+    for (cause, forces) in forces {
+        velocity.iter().zip(&forces).for_each(|(velocity, force)| powers.add(cause, velocity * force));
     }
 }
 
@@ -189,7 +195,7 @@ fn far_from_rest(start: &[f64], dynamics: &MachineDynamics, seed: u64) -> Vec<f6
     }
     let size = dynamics.frame.len();
     let (place, velocity) = dynamics.coordinates(start);
-    let frequency = |k: usize| dynamics.frame.squares[k].sqrt().max(1e4);
+    let frequency = |k: usize| frequency_of(&dynamics.frame, k).max(1e4);
     state.extend(place.iter().enumerate().map(|(k, value)| value + spread(3e-2 / frequency(k))));
     state.extend(velocity.iter().map(|value| value + spread(0.1)));
     assert_eq!(state.len() - 2 * size, start.len() - 2 * size);

@@ -1,10 +1,9 @@
 //! Reasons to doubt the numbers of a run.
 
 use super::*;
-use crate::machine::codes::{LaterChange, MachineWarning, StepCause, StepLimit};
+use crate::machine::codes::{LaterChange, MachineWarning};
 use crate::machine::input::{Loss, MachineError, StepsOfLoss};
 use crate::machine::result::MachineResult;
-use crate::physics::frame::support::{Support, diagonal};
 use crate::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, Shock};
 use crate::rotor::input::PlacedLoad;
 use crate::simulation::model::state::SpindleState;
@@ -59,22 +58,6 @@ fn a_slow_load_is_verified_over_its_period() {
     machine.rotor.loads = vec![in_the_middle(LoadCourse::Harmonic(slow))];
     let result = run(&machine, &settings(0.02, 0.15, Some(5.5e-6)));
     assert_eq!(result.accuracy.window, 0.125);
-}
-
-/// A dashpot far above the critical damping of the shaft needs short steps: the rejected ones name it.
-#[test]
-fn steps_that_dashpots_shorten_name_them() {
-    let mut machine = motor_spindle();
-    let (stiffness, damping) = (diagonal([0.0; 5]), diagonal([0.0, 2e5, 2e5, 0.0, 0.0]));
-    machine.rotor.supports = vec![Support { at: 0.15, on: None, stiffness, damping }];
-    let found = run(&machine, &settings(0.0, 0.01, None)).warnings;
-    let rejected = found.iter().find_map(|warning| match warning {
-        MachineWarning::StepRejected(rejected) => Some(rejected.clone()),
-        _ => None,
-    });
-    let rejected = rejected.expect("a rejected step");
-    assert_eq!(rejected.limit, Some(StepLimit::Dashpots), "{rejected:?}");
-    assert!(matches!(rejected.cause, StepCause::Deviation { .. } | StepCause::Lost { .. }));
 }
 
 /// A ring that no ball can hold, and one that is nowhere: the error names the bearing, the displacement and the steps.

@@ -4,6 +4,8 @@
 //! integration (J. Comput. Appl. Math. 163 (2004) 59–78) a series at Z/2ᴺ is doubled N times, and e^Z − I is carried, not e^Z:
 //! added to I at the small argument it would lose as many digits as I is larger.
 
+use nalgebra::DMatrix;
+
 /// φ₁, φ₂, φ₃, φ₄ of one matrix, each laid out as that matrix.
 pub(crate) type Phi = [Vec<f64>; 4];
 
@@ -32,6 +34,22 @@ pub(crate) fn phi(matrix: &[f64], n: usize) -> Phi {
         }
     }
     functions
+}
+
+/// e^Z of a matrix, balanced first.
+pub(crate) fn exponential(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
+    let n = matrix.nrows();
+    // Column by column: the balance of the transposed matrix divides where that of the matrix multiplies.
+    let scales = balance(matrix.as_slice(), n);
+    let factor = |row: usize, column: usize| scales[row] / scales[column];
+    for column in 0..n {
+        (0..n).for_each(|row| matrix[(row, column)] *= factor(row, column));
+    }
+    let mut whole = matrix.exp();
+    for column in 0..n {
+        (0..n).for_each(|row| whole[(row, column)] /= factor(row, column));
+    }
+    whole
 }
 
 /// From φ₁…φ₄ of a matrix those of 2ᴺ times the matrix:

@@ -7,6 +7,9 @@ use super::groove::InGroove;
 use crate::physics::bearing::{Bearing, PerRaceway};
 use crate::physics::kinematics::{self, LoadedBall, RingSpeeds};
 
+/// Traction over the load of the lighter contact beyond which a ball slips [-]: no lubricant transmits more between rolling steel.
+const MOST_TRACTION: f64 = 0.1;
+
 /// How the balls of a bearing roll.
 #[derive(Debug, Clone)]
 pub(super) struct Rolling {
@@ -62,7 +65,10 @@ impl Rolling {
         let orbit = speeds.carried(orbit);
         // I_b θ̇ ω_r about the orbit, over the arm of both tractions.
         let radial_spin = spin * speeds.relative() * axis.1 / axis.0.hypot(axis.1);
-        let traction = self.ball_inertia * orbit * radial_spin / self.ball_radius;
+        let moment = self.ball_inertia * orbit * radial_spin;
+        // A ball that only one raceway holds is turned by none: its spin axis does not follow its contact.
+        let most = 2.0 * MOST_TRACTION * at.inner.load.min(at.outer.load);
+        let traction = (moment / self.ball_radius).clamp(-most, most);
         let load = at.inner.load + at.outer.load;
         let share = |raceway: &InGroove| if load > 0.0 { traction * raceway.load / load } else { 0.0 };
         RollingForces {

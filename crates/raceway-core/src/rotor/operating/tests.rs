@@ -218,11 +218,11 @@ fn a_free_shaft_is_not_restrained() {
     for speed in [0.0, 12_000.0] {
         rotor.speed = speed * RPM;
         let system = analysed(&rotor).unwrap();
-        assert_eq!(system.oscillations(rotor.speed).unwrap_err(), RotorError::Unrestrained);
+        assert_eq!(system.growth_rate(rotor.speed).unwrap_err(), RotorError::Unrestrained);
     }
     // Weight holds it.
     rotor.gravity = 9.81;
-    assert!(analysed(&rotor).unwrap().oscillations(rotor.speed).is_ok());
+    assert!(analysed(&rotor).unwrap().growth_rate(rotor.speed).is_ok());
     // A spring in place of the second bearing.
     rotor.bearings.truncate(1);
     let stiffness = diagonal([0.0, 5e7, 5e7, 0.0, 0.0]);
