@@ -48,7 +48,8 @@ pub struct MachineInput {
     /// The shaft on its bearings. A `rotor` job takes the same scene.
     #[serde(deserialize_with = "object")]
     pub scene: RotorSceneInput,
-    /// Recorded time, after settling [s]. Default 0.2, or up to the last point of a speed profile, at most 10.
+    /// Recorded time, after settling [s]. Default 0.2, or up to the last point of a speed profile, at most 10. At most 60, and 312.5 over the number
+    /// of recorded signals.
     #[schema(nullable = false, example = 0.2)]
     pub duration_s: Option<f64>,
     /// Time simulated before recording begins [s]; times of a speed profile and of loads count from its start. Default: until the slowest motion

@@ -216,6 +216,8 @@ pub fn preload(
 ) {
     use raceway_core::physics::statics::shaft::RigidShaft;
 
+    // The preload that has set the place of each ring.
+    let mut set_by: Vec<Option<usize>> = vec![None; inputs.len()];
     for (index, preload) in preloads.iter().enumerate() {
         let at = format!("/scene/preloads/{index}");
         let place = |name: &String| inputs.iter().position(|bearing| bearing.name == *name);
@@ -231,6 +233,13 @@ pub fn preload(
                 defaults.refuse(pointer, "the preload sets the place of this ring along X");
             }
         }
+        let set = [one, other].into_iter().find_map(|bearing| Some((bearing, set_by[bearing]?)));
+        if let Some((bearing, before)) = set {
+            let detail = format!("the ring of `{}` is set by preloads[{before}] already", inputs[bearing].name);
+            defaults.refuse(format!("{at}/between"), detail);
+            continue;
+        }
+        [one, other].into_iter().for_each(|bearing| set_by[bearing] = Some(index));
         let sliding =
             [one, other].into_iter().find(|index| matches!(bearings[*index].rotor.seat, Seat::Sliding { .. }));
         if let Some(index) = sliding {

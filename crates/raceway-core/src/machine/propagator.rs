@@ -104,17 +104,13 @@ mod tests {
     fn a_parabola_is_exact() {
         let step = 3e-6_f64;
         let turning = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -1.0, 0.0]);
-        for (frequencies, ratio, coupling) in [
-            ([0.0_f64, 0.0], 0.0_f64, 0.0),
-            ([3e3, 5e3], 0.005, 0.0),
-            ([4e5, 3e3], 0.02, 2e4),
-            ([1e6, 1e6], 3.0, 5e6),
-        ] {
+        for (frequencies, ratio, coupling) in
+            [([0.0_f64, 0.0], 0.0_f64, 0.0), ([3e3, 5e3], 0.005, 0.0), ([4e5, 3e3], 0.02, 2e4), ([1e6, 1e6], 3.0, 5e6)]
+        {
             let frequencies = DVector::from_row_slice(&frequencies);
             let stiffness = DMatrix::from_diagonal(&frequencies.map(|frequency| frequency * frequency));
             let damping = DMatrix::from_diagonal(&frequencies) * (2.0 * ratio) + &turning * coupling;
-            let propagator =
-                ExactStep::new(&stiffness, &damping, &DMatrix::identity(2, 2), step).propagator(NODES);
+            let propagator = ExactStep::new(&stiffness, &damping, &DMatrix::identity(2, 2), step).propagator(NODES);
             // In units of the step.
             let weights = DVector::from_row_slice(&[1.0, -0.5]);
             let force = |t: f64| -> Vec<f64> {

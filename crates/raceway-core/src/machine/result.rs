@@ -255,6 +255,9 @@ fn spectra(
 fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics]) -> Vec<Line> {
     let harmonics = machine.rotor.loads.iter().filter_map(|load| load.load.harmonic());
     let loads: Vec<f64> = harmonics.map(|harmonic| harmonic.frequency(machine.rotor.speed)).collect();
+    if machine.bearings.is_empty() {
+        return find_lines(spectrum, &LineSources::of_shaft(machine.rotor.speed, &loads), BAND);
+    }
     let mut best: Vec<BearingLine> = Vec::new();
     for (index, (bearing, metrics)) in machine.bearings.iter().zip(bearings).enumerate() {
         let surfaces = &bearing.scene.surfaces;

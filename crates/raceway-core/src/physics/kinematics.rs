@@ -42,7 +42,7 @@ impl RingSpeeds {
 }
 
 /// Frequencies of a running bearing [Hz]. Signed quantities are given as magnitudes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CharacteristicFrequencies {
     /// f_r, turns of the spindle.
     pub shaft: f64,

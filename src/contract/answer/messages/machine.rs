@@ -1,8 +1,6 @@
 //! Messages of a machine.
 
-use raceway_core::machine::codes::{
-    LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause,
-};
+use raceway_core::machine::codes::{LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause};
 use raceway_core::machine::input::Machine;
 use raceway_core::simulation::error::codes::Warning;
 use serde_json::{Value, json};
@@ -172,11 +170,9 @@ fn of_rejected_step(
     let mut limit = "";
     if *stiff_bearings {
         values.push(("limit", json!("bearing-stiffness")));
-        limit = " The bearings are so stiff against the inertia of the shaft at their places that they need short steps.";
+        limit =
+            " The bearings are so stiff against the inertia of the shaft at their places that they need short steps.";
     }
-    let text = format!(
-        "Steps of {} µs were rejected: {cause}.{limit}",
-        significant(US.to_user(*step), 3)
-    );
+    let text = format!("Steps of {} µs were rejected: {cause}.{limit}", significant(US.to_user(*step), 3));
     (MessageCode::CandidateRejected, text, values)
 }

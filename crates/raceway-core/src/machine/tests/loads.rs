@@ -214,7 +214,8 @@ fn overhung() -> Machine {
     let speed = 30_000.0 * RPM;
     machine.bearings.clear();
     machine.rotor.bearings.clear();
-    machine.rotor.shaft.sections = vec![Section { length: 0.2, tube: Tube { outer_diameter: 0.03, inner_diameter: 0.0 } }];
+    machine.rotor.shaft.sections =
+        vec![Section { length: 0.2, tube: Tube { outer_diameter: 0.03, inner_diameter: 0.0 } }];
     machine.rotor.shaft.discs = vec![Disc { at: 0.2, mass: 2.0, transverse_inertia: 4e-3, axial_inertia: 8e-3 }];
     machine.rotor.shaft.damping_ratio = 0.001;
     machine.rotor.shaft.is_axially_free = false;

@@ -1,5 +1,7 @@
 //! Lines of a spectrum, found and labelled by combinations of the bearing's frequencies.
 
+use std::f64::consts::TAU;
+
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::physics::kinematics::CharacteristicFrequencies;
 
@@ -101,6 +103,24 @@ pub(crate) struct LineSources<'a> {
     pub unequal_balls: bool,
     /// Frequencies of harmonic loads.
     pub loads: &'a [f64],
+}
+
+impl<'a> LineSources<'a> {
+    /// Of a shaft without bearings at a speed [rad/s], and harmonic loads [Hz].
+    pub(crate) fn of_shaft(speed: f64, loads: &'a [f64]) -> Self {
+        Self {
+            frequencies: CharacteristicFrequencies { shaft: speed.abs() / TAU, ..CharacteristicFrequencies::default() },
+            cage_whirl: 0.0,
+            spindle_whirl: 0.0,
+            uneven_inner: false,
+            inner_orders: &[],
+            outer_ring: OuterRing::Stands,
+            uneven_raceways: false,
+            odd_ball_orders: false,
+            unequal_balls: false,
+            loads,
+        }
+    }
 }
 
 /// Motion of the outer ring, as lines show it.
