@@ -125,6 +125,8 @@ impl SuffixAnswer {
             Suffix::Clearance(_) => "clearance group",
             Suffix::Tolerance(_) => "tolerance class: no effect, give `surfaces` for waviness",
             Suffix::Hybrid(_) => "balls of silicon nitride, `si3n4`",
+            Suffix::Design(_) => "balls of the usual size, as in the catalogue",
+            Suffix::Cage(_) => "cage of this material: no effect, give `bearing.cage` for its sizes",
         };
         Self { suffix: suffix.text().to_owned(), effect: effect.to_owned() }
     }

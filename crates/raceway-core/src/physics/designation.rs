@@ -22,6 +22,10 @@ pub enum Suffix {
     Tolerance(&'static str),
     /// Balls of silicon nitride.
     Hybrid(&'static str),
+    /// Design of an angular-contact bearing with balls of the usual size, which is that of the catalogue.
+    Design(&'static str),
+    /// Cage of a material; the cage is that of the catalogue nevertheless.
+    Cage(&'static str),
 }
 
 /// Why a designation cannot be read.
@@ -36,7 +40,7 @@ pub enum UnknownDesignation {
 }
 
 /// Suffixes, longer ones before those that they begin with. Makers' names of the same seal stand together.
-const SUFFIXES: [Suffix; 44] = [
+const SUFFIXES: [Suffix; 50] = [
     Suffix::Seals("2RS1"),
     Suffix::Seals("2RSH"),
     Suffix::Seals("2RSR"),
@@ -77,14 +81,20 @@ const SUFFIXES: [Suffix; 44] = [
     Suffix::Tolerance("P6"),
     Suffix::Tolerance("P5"),
     Suffix::Tolerance("P4A"),
+    Suffix::Tolerance("P4S"),
     Suffix::Tolerance("P4"),
     Suffix::Tolerance("P2"),
     Suffix::Hybrid("HC5"),
     Suffix::Hybrid("HC"),
+    Suffix::Design("D"),
+    Suffix::Cage("TN9"),
+    Suffix::Cage("TVP"),
+    Suffix::Cage("TPA"),
+    Suffix::Cage("T"),
 ];
 
 /// Prefixes of makers, longer ones first.
-const PREFIXES: [Suffix; 2] = [Suffix::Hybrid("HCB"), Suffix::Hybrid("HC")];
+const PREFIXES: [Suffix; 3] = [Suffix::Hybrid("HCB"), Suffix::Hybrid("HC"), Suffix::Design("B")];
 
 /// Characters between designation and suffixes.
 const SEPARATORS: [char; 5] = [' ', '-', '/', '.', ','];
@@ -109,12 +119,17 @@ impl Designation {
         let known = known.filter_map(|bearing| Some((bearing, after(bearing.designation, bare)?)));
         let longest = known.max_by_key(|(bearing, _)| bearing.designation.len());
         let (bearing, mut rest) = longest.ok_or_else(unknown)?;
+        // Letters of designs follow or precede those of a contact angle.
+        let fits = |suffix: &Suffix| !matches!(suffix, Suffix::Design(_)) || bearing.designation.ends_with('C');
+        if !suffixes.iter().all(fits) {
+            return Err(unknown());
+        }
         loop {
             rest = rest.trim_start_matches(SEPARATORS);
             if rest.is_empty() {
                 break;
             }
-            let found = SUFFIXES.iter().find_map(|suffix| Some((suffix, rest.strip_prefix(suffix.text())?)));
+            let found = SUFFIXES.iter().filter(|suffix| fits(suffix)).find_map(|suffix| Some((suffix, rest.strip_prefix(suffix.text())?)));
             let Some((suffix, after)) = found else {
                 // `62066` is no 6206 with a suffix.
                 let is_longer = bare.len() == bearing.designation.len() + rest.len();
@@ -152,7 +167,12 @@ impl Suffix {
     /// The text of the designation.
     pub fn text(self) -> &'static str {
         match self {
-            Self::Seals(text) | Self::Shields(text) | Self::Tolerance(text) | Self::Hybrid(text) => text,
+            Self::Seals(text)
+            | Self::Shields(text)
+            | Self::Tolerance(text)
+            | Self::Hybrid(text)
+            | Self::Design(text)
+            | Self::Cage(text) => text,
             Self::Clearance(group) => group.name(),
         }
     }
@@ -225,6 +245,10 @@ mod tests {
         assert_eq!(read("608ZZMC3"), ("608", vec!["ZZ", "MC3"]));
         assert_eq!(read("HCB7008-C/P4A"), ("7008C", vec!["HCB", "P4A"]));
         assert_eq!(read("7008C HC P4"), ("7008C", vec!["HC", "P4"]));
+        assert_eq!(read("7008 CD/P4A"), ("7008C", vec!["D", "P4A"]));
+        assert_eq!(read("71805 ACD/HCP4A"), ("71805AC", vec!["D", "HC", "P4A"]));
+        assert_eq!(read("B7008-C-T-P4S"), ("7008C", vec!["B", "T", "P4S"]));
+        assert_eq!(read("6206-2Z/C3TN9"), ("6206", vec!["2Z", "C3", "TN9"]));
         assert_eq!(read("6205-2RS/HC5C3"), ("6205", vec!["2RS", "HC5", "C3"]));
         assert_eq!(Designation::read("6205/C3").unwrap().clearance_group(), Some(ClearanceGroup::C3));
         assert!(Designation::read("HC7008C").unwrap().is_hybrid() && !Designation::read("7008C").unwrap().is_hybrid());
@@ -248,8 +272,11 @@ mod tests {
 
     #[test]
     fn unknown_suffixes_are_named() {
-        let suffix = UnknownDesignation::Suffix { bearing: "6206", rest: "TN9".to_owned() };
-        assert_eq!(Designation::read("6206-TN9"), Err(suffix));
+        let suffix = UnknownDesignation::Suffix { bearing: "6206", rest: "NR".to_owned() };
+        assert_eq!(Designation::read("6206-NR"), Err(suffix));
+        let design = UnknownDesignation::Suffix { bearing: "6206", rest: "D".to_owned() };
+        assert_eq!(Designation::read("6206D"), Err(design));
+        assert!(matches!(Designation::read("B6206"), Err(UnknownDesignation::Bearing { .. })));
         assert_eq!(Designation::read("6206C3C4"), Err(UnknownDesignation::TwoGroups { bearing: "6206" }));
     }
 
