@@ -11,17 +11,14 @@ pub(crate) trait Potential {
 
     /// The step −(H + μ)⁻¹ g from slopes with a damping μ; `None` unless the damped matrix is positive definite.
     fn step(&self, slopes: &Slopes<Self::Curvature>, damping: f64) -> Option<Vec<f64>>;
-
-    /// What forces without a potential add to the function on a short way, as if they were constant; the gradient holds them, too.
-    fn follows(&self, _from: &[f64], _to: &[f64]) -> f64 {
-        0.0
-    }
 }
 
 /// A function at a place, with its derivatives.
 pub(crate) struct Slopes<H> {
     pub(crate) value: f64,
     pub(crate) gradient: Vec<f64>,
+    /// The part of the gradient that belongs to no function, as of forces without a potential; empty where there is none.
+    pub(crate) without_potential: Vec<f64>,
     pub(crate) hessian: H,
 }
 
@@ -81,8 +78,9 @@ impl Search {
             let next: Vec<f64> = place.iter().zip(&step).map(|(at, part)| at + part).collect();
             let there = potential.slopes(&next);
             // Close to the minimum the value no longer resolves the step, and the gradient decides.
-            let rises = there.value + potential.follows(place, &next);
-            if rises < here.value || there.residual() < here.residual() {
+            // Forces without a potential count as if they were constant on the way.
+            let forces: f64 = here.without_potential.iter().zip(&step).map(|(force, part)| force * part).sum();
+            if there.value + forces < here.value || there.residual() < here.residual() {
                 (*place, here) = (next, there);
                 damping = (0.1 * damping).max(DAMPING_RANGE[0]);
             } else {

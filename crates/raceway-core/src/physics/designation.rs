@@ -129,7 +129,10 @@ impl Designation {
             if rest.is_empty() {
                 break;
             }
-            let found = SUFFIXES.iter().filter(|suffix| fits(suffix)).find_map(|suffix| Some((suffix, rest.strip_prefix(suffix.text())?)));
+            let found = SUFFIXES
+                .iter()
+                .filter(|suffix| fits(suffix))
+                .find_map(|suffix| Some((suffix, rest.strip_prefix(suffix.text())?)));
             let Some((suffix, after)) = found else {
                 // `62066` is no 6206 with a suffix.
                 let is_longer = bare.len() == bearing.designation.len() + rest.len();

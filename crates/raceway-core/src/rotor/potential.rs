@@ -106,18 +106,27 @@ impl Potential for RotorPotential<'_> {
         let lengths = self.lengths(place);
         let elastic = &self.stiffness * &lengths;
         let mut value = lengths.dot(&(&elastic * 0.5 - &self.load));
+        // Damping that turns along, and supports given by a matrix, have stiffness without a potential. So have rolling balls.
+        let mut turning_of_shaft = (&elastic - self.stiffness.tr_mul(&lengths)) * 0.5;
         let mut of_shaft = elastic - &self.load;
-        let (mut gradient, mut hessian) = (Vec::with_capacity(place.len()), Vec::new());
+        let [mut gradient, mut without_potential] = [(); 2].map(|()| Vec::with_capacity(place.len()));
+        let mut hessian = Vec::new();
         for ((bearing, (pose, balls)), by) in self.bearings.iter().zip(self.rings(place)).zip(&self.rings) {
             let ring = bearing.mounted.bearing.slopes(&pose, self.speed, balls);
             value += ring.value;
-            let (of_balls, of_ring) = ring.gradient.split_at(balls.len());
-            gradient.extend_from_slice(of_balls);
-            of_shaft += by.tr_mul(&DVector::from_column_slice(of_ring));
+            for (sums, sums_of_shaft, of_bearing) in [
+                (&mut gradient, &mut of_shaft, ring.gradient),
+                (&mut without_potential, &mut turning_of_shaft, ring.without_potential),
+            ] {
+                let (of_balls, of_ring) = of_bearing.split_at(balls.len());
+                sums.extend_from_slice(of_balls);
+                *sums_of_shaft += by.tr_mul(&DVector::from_column_slice(of_ring));
+            }
             hessian.push(ring.hessian);
         }
         gradient.extend(of_shaft.iter());
-        Slopes { value, gradient, hessian }
+        without_potential.extend(turning_of_shaft.iter());
+        Slopes { value, gradient, without_potential, hessian }
     }
 
     /// Balls are eliminated onto their ring, and rings onto the shaft.
@@ -152,17 +161,5 @@ impl Potential for RotorPotential<'_> {
         }
         step.extend(lengths.iter());
         Some(step)
-    }
-
-    /// Damping that turns along, and supports given by a matrix, have stiffness without a potential. So have rolling balls.
-    fn follows(&self, from: &[f64], to: &[f64]) -> f64 {
-        let rings = self.bearings.iter().zip(self.rings(from).zip(self.rings(to)));
-        let of_balls = rings.map(|(bearing, (from, to))| {
-            bearing.mounted.bearing.follows(self.speed, [(&from.0, from.1), (&to.0, to.1)])
-        });
-        let of_balls: f64 = of_balls.sum();
-        let (from, to) = (self.lengths(from), self.lengths(to));
-        let turning = &self.stiffness * &from - self.stiffness.tr_mul(&from);
-        of_balls + 0.5 * turning.dot(&(to - from))
     }
 }

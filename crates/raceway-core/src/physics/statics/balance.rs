@@ -93,42 +93,32 @@ impl RingBearing {
     /// rolling, too; the second derivatives do not. `places`: of each ball at each place.
     pub(crate) fn slopes(&self, pose: &Pose, speed: f64, places: &[f64]) -> Slopes<Bordered<FREEDOMS>> {
         let (mut value, share) = (0.0, self.share());
-        let mut gradient = vec![0.0; places.len() + FREEDOMS];
+        let [mut gradient, mut without_potential] = [(); 2].map(|()| vec![0.0; places.len() + FREEDOMS]);
         let (of_balls, of_ring) = gradient.split_at_mut(places.len());
+        let (rolling_of_balls, rolling_of_ring) = without_potential.split_at_mut(places.len());
+        let rolling_of_balls = rolling_of_balls.as_chunks_mut::<OF_BALL>().0;
         let mut hessian = Bordered::zeros(self.entries(), FREEDOMS);
         let (balls, speeds) = (balls_of(self, pose, places.as_chunks().0.iter().copied()), self.speeds(speed));
-        for (((placed, ball), block), slope) in
-            balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut::<OF_BALL>().0)
-        {
+        let of_each = balls.zip(&mut hessian.blocks).zip(of_balls.as_chunks_mut::<OF_BALL>().0).zip(rolling_of_balls);
+        for ((((placed, ball), block), slope), of_rolling) in of_each {
             value += share * ball.energy;
-            let rolling = self.rolling_forces(&placed, speeds);
-            *slope = std::array::from_fn(|k| share * (ball.gradient[k] - rolling[k]));
+            let rolling = self.rolling_forces(&placed, speeds).map(|force| -share * force);
+            *of_rolling = std::array::from_fn(|k| rolling[k]);
+            *slope = std::array::from_fn(|k| share * ball.gradient[k] + rolling[k]);
             block.diagonal = [share * ball.hessian[0][0], share * ball.hessian[1][1]];
             block.between = share * ball.hessian[1][0];
             for k in 0..FREEDOMS {
                 for (column, entries) in block.border.iter_mut().enumerate() {
                     entries[k] = share * ball.hessian[OF_BALL + k][column];
                 }
-                of_ring[k] += share * (ball.gradient[OF_BALL + k] - rolling[OF_BALL + k]);
+                rolling_of_ring[k] += rolling[OF_BALL + k];
+                of_ring[k] += share * ball.gradient[OF_BALL + k] + rolling[OF_BALL + k];
                 for (other, entry) in hessian.border[k][..=k].iter_mut().enumerate() {
                     *entry += share * ball.hessian[OF_BALL + k][OF_BALL + other];
                 }
             }
         }
-        Slopes { value, gradient, hessian }
-    }
-
-    /// Work of the forces of rolling on a short way, with the sign changed [J].
-    pub(crate) fn follows(&self, speed: f64, [from, to]: [(&Pose, &[f64]); 2]) -> f64 {
-        let (pose, places) = from;
-        let (balls, speeds) = (balls_of(self, pose, places.as_chunks().0.iter().copied()), self.speeds(speed));
-        let of_ring: [f64; FREEDOMS] = std::array::from_fn(|k| to.0[k] - pose[k]);
-        let ways = places.as_chunks::<OF_BALL>().0.iter().zip(to.1.as_chunks::<OF_BALL>().0);
-        let works = balls.zip(ways).map(|((ball, _), (from, to))| {
-            let ways = from.iter().zip(to).map(|(from, to)| to - from).chain(of_ring);
-            self.rolling_forces(&ball, speeds).iter().zip(ways).map(|(force, way)| force * way).sum::<f64>()
-        });
-        -self.share() * works.sum::<f64>()
+        Slopes { value, gradient, without_potential, hessian }
     }
 
     /// Places of all balls on the lines between both grooves' centres.
@@ -211,27 +201,15 @@ impl Potential for Balance<'_> {
         slopes.bordered_step(damping)
     }
 
-    fn follows(&self, from: &[f64], to: &[f64]) -> f64 {
-        let (mut first, borders) = (0, [from, to].map(|place| &place[place.len() - self.width..]));
-        let of_link = |link: &Link| {
-            let own = first..first + OF_BALL * link.bearing.entries();
-            first = own.end;
-            let poses = borders.map(|border| link.pose(border));
-            link.bearing.follows(self.speed, [(&poses[0], &from[own.clone()]), (&poses[1], &to[own])])
-        };
-        self.links.iter().map(of_link).sum()
-    }
-
     fn slopes(&self, place: &[f64]) -> Slopes<Self::Curvature> {
         let width = self.width;
         let (of_balls, border) = place.split_at(place.len() - width);
         let mut hessian = Bordered::zeros(of_balls.len() / OF_BALL, width);
-        let mut gradient = vec![0.0; place.len()];
-        let (gradient_of_balls, gradient_of_border) = gradient.split_at_mut(of_balls.len());
+        let [mut gradient, mut without_potential] = [(); 2].map(|()| vec![0.0; place.len()]);
         let mut value = 0.0;
         for k in 0..width {
             value += (0.5 * self.springs[k] * border[k] - self.load[k]) * border[k];
-            gradient_of_border[k] = self.springs[k] * border[k] - self.load[k];
+            gradient[of_balls.len() + k] = self.springs[k] * border[k] - self.load[k];
             hessian.border[k][k] = self.springs[k];
         }
         let mut first = 0;
@@ -240,8 +218,16 @@ impl Potential for Balance<'_> {
             let of_link = &of_balls[OF_BALL * first..OF_BALL * end];
             let ring = link.bearing.slopes(&link.pose(border), self.speed, of_link);
             value += ring.value;
-            let (of_link, of_ring) = ring.gradient.split_at(of_link.len());
-            gradient_of_balls[OF_BALL * first..OF_BALL * end].copy_from_slice(of_link);
+            for (sums, of_link_and_ring) in
+                [(&mut gradient, &ring.gradient), (&mut without_potential, &ring.without_potential)]
+            {
+                let (of_link, of_ring) = of_link_and_ring.split_at(of_link.len());
+                let (sums_of_balls, sums_of_border) = sums.split_at_mut(of_balls.len());
+                sums_of_balls[OF_BALL * first..OF_BALL * end].copy_from_slice(of_link);
+                for (force, by) in of_ring.iter().zip(&link.by) {
+                    sums_of_border.iter_mut().zip(by).for_each(|(slope, by)| *slope += force * by);
+                }
+            }
             for (block, own) in hessian.blocks[first..end].iter_mut().zip(&ring.hessian.blocks) {
                 (block.diagonal, block.between) = (own.diagonal, own.between);
                 for (entries, couplings) in block.border.iter_mut().zip(&own.border) {
@@ -249,9 +235,6 @@ impl Potential for Balance<'_> {
                         entries[..width].iter_mut().zip(by).for_each(|(entry, by)| *entry += coupling * by);
                     }
                 }
-            }
-            for (force, by) in of_ring.iter().zip(&link.by) {
-                gradient_of_border.iter_mut().zip(by).for_each(|(slope, by)| *slope += force * by);
             }
             for (row, entries) in hessian.border[..width].iter_mut().enumerate() {
                 for (column, sum) in entries[..=row].iter_mut().enumerate() {
@@ -265,6 +248,6 @@ impl Potential for Balance<'_> {
             }
             first = end;
         }
-        Slopes { value, gradient, hessian }
+        Slopes { value, gradient, without_potential, hessian }
     }
 }

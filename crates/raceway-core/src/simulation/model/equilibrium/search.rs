@@ -318,7 +318,7 @@ impl Potential for RacewayPotential<'_> {
                 block.diagonal[0] += 1.0;
             }
         }
-        Slopes { value, gradient, hessian }
+        Slopes { value, gradient, without_potential: Vec::new(), hessian }
     }
 }
 
