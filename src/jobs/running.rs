@@ -92,7 +92,8 @@ impl Run {
     }
 
     pub fn set_progress(&self, share: f64) {
-        self.progress.store(share.clamp(0.0, 1.0).to_bits(), Ordering::Relaxed);
+        // Bits of numbers from 0 on are in the order of the numbers. A run that begins again with shorter steps keeps what was shown.
+        self.progress.fetch_max(share.max(0.0).min(1.0).to_bits(), Ordering::Relaxed);
     }
 
     /// Updates phase and levels; called by the solver thread.
