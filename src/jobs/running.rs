@@ -93,7 +93,9 @@ impl Run {
 
     pub fn set_progress(&self, share: f64) {
         // Bits of numbers from 0 on are in the order of the numbers. A run that begins again with shorter steps keeps what was shown.
-        self.progress.fetch_max(share.max(0.0).min(1.0).to_bits(), Ordering::Relaxed);
+        if share > 0.0 {
+            self.progress.fetch_max(share.min(1.0).to_bits(), Ordering::Relaxed);
+        }
     }
 
     /// Updates phase and levels; called by the solver thread.

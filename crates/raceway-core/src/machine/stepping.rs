@@ -147,13 +147,10 @@ impl Compliances {
     fn of(frame: &Frame, motions: &DMatrix<f64>) -> Self {
         let ports = frame.ports.len();
         let block = |pair: usize| {
-            let mut block = [[0.0; LANES]; PORT];
-            for column in 0..PORT {
-                let motion = motions.column(PORT * (pair % ports) + column);
-                let moved = frame.ports[pair / ports].of_place(motion.as_slice());
-                moved.into_iter().enumerate().for_each(|(row, moved)| block[row][column] = moved);
-            }
-            block
+            let (port, by) = (&frame.ports[pair / ports], PORT * (pair % ports));
+            let moved: [_; PORT] = std::array::from_fn(|column| port.of_place(motions.column(by + column).as_slice()));
+            let row = |row: usize| std::array::from_fn(|lane| if lane < PORT { moved[lane][row] } else { 0.0 });
+            std::array::from_fn(row)
         };
         Self { ports, blocks: (0..ports * ports).map(block).collect() }
     }
