@@ -42,11 +42,68 @@ pub struct Frame {
     pub sensors: Vec<Rows>,
     /// Ports of the mass centres of the bodies, in their order, then of an imported structure.
     pub bodies: Vec<Rows>,
+    /// Accelerations of all of them.
+    pub accelerations: Accelerations,
     is_unbalanced: bool,
     /// Changes of the loads since the start, at each place of the shaft that has any.
     varying: Vec<VaryingLoads>,
     /// Linear analysis about the operating point.
     pub system: System,
+}
+
+/// Accelerations of the places of a frame, in their order.
+#[derive(Debug, Clone)]
+pub struct Accelerations {
+    pub ports: Vec<AccelerationRows>,
+    pub sensors: Vec<AccelerationRows>,
+    pub bodies: Vec<AccelerationRows>,
+}
+
+/// Accelerations of a place, R (B u − C q̇ − K q).
+#[derive(Debug, Clone)]
+pub struct AccelerationRows {
+    by_place: Rows,
+    by_velocity: Rows,
+    by_input: Rows,
+    /// Parts by place and by velocity with the factor of a speed that varies.
+    by_speed: Option<[Rows; 2]>,
+}
+
+impl AccelerationRows {
+    /// At any speed, or at the constant one of a machine [rad/s].
+    fn of(rows: &DMatrix<f64>, system: &System, inputs: &DMatrix<f64>, constant_speed: Option<f64>) -> Self {
+        let [stiffness, damping] = matrices(system, constant_speed.unwrap_or(0.0));
+        let by_speed = || [system.rotating(), system.gyroscopic()].map(|matrix| Rows::of(&-(rows * matrix)));
+        Self {
+            by_place: Rows::of(&-(rows * stiffness)),
+            by_velocity: Rows::of(&-(rows * damping)),
+            by_input: Rows::of(&(rows * inputs)),
+            by_speed: if constant_speed.is_none() { Some(by_speed()) } else { None },
+        }
+    }
+
+    /// Accelerations at a speed [rad/s].
+    #[inline(always)]
+    pub fn at(&self, speed: f64, (place, velocity): (&[f64], &[f64]), inputs: &[f64]) -> [f64; PORT] {
+        let mut sums = self.by_input.of_place(inputs);
+        let mut add = |factor: f64, rows: &Rows, motion: &[f64]| {
+            let sum = rows.of_place(motion);
+            (0..PORT).for_each(|k| sums[k] += factor * sum[k]);
+        };
+        add(1.0, &self.by_place, place);
+        add(1.0, &self.by_velocity, velocity);
+        if let Some([by_place, by_velocity]) = &self.by_speed {
+            add(speed, by_place, place);
+            add(speed, by_velocity, velocity);
+        }
+        sums
+    }
+}
+
+/// K and C of shaft and housing at a speed [rad/s], without the bearings.
+fn matrices(system: &System, speed: f64) -> [DMatrix<f64>; 2] {
+    let [stiffness, damping] = &system.linear;
+    [stiffness + system.rotating() * speed, damping + system.gyroscopic() * speed]
 }
 
 /// An outer ring that moves.
@@ -78,6 +135,12 @@ impl Frame {
         inputs.push(DMatrix::from_column_slice(load.len(), 1, load.as_slice()));
         let columns: Vec<_> = inputs.iter().flat_map(DMatrix::column_iter).collect();
         let inputs = DMatrix::from_columns(&columns);
+        let sensors: Vec<_> = machine.sensors.iter().map(|sensor| sensor_rows(sensor, &system)).collect();
+        let bodies: Vec<_> = coordinates.housing.parts().collect();
+        let constant_speed = machine.speed.is_constant().then(|| machine.speed.at(0.0).1);
+        let accelerations = |of: &[DMatrix<f64>]| {
+            of.iter().map(|rows| AccelerationRows::of(rows, &system, &inputs, constant_speed)).collect()
+        };
         let by_speed = |constant: &DMatrix<f64>, by_speed: &DMatrix<f64>| BySpeed {
             constant: Padded::of(constant),
             by_speed: Padded::of(by_speed),
@@ -86,11 +149,16 @@ impl Frame {
             place: by_speed(&system.linear[0], system.rotating()),
             velocity: by_speed(&system.linear[1], system.gyroscopic()),
             by_input: Padded::of(&inputs),
-            inputs,
             ports: ports.iter().map(Rows::of).collect(),
             outer,
-            sensors: machine.sensors.iter().map(|sensor| Rows::of(&sensor_rows(sensor, &system))).collect(),
-            bodies: coordinates.housing.parts().map(|rows| Rows::of(&rows)).collect(),
+            sensors: sensors.iter().map(Rows::of).collect(),
+            bodies: bodies.iter().map(Rows::of).collect(),
+            accelerations: Accelerations {
+                ports: accelerations(&ports),
+                sensors: accelerations(&sensors),
+                bodies: accelerations(&bodies),
+            },
+            inputs,
             is_unbalanced: !rotor.unbalances.is_empty(),
             varying,
             system,
@@ -108,8 +176,7 @@ impl Frame {
 
     /// K and C at a speed [rad/s], without the bearings.
     pub fn matrices(&self, speed: f64) -> [DMatrix<f64>; 2] {
-        let [stiffness, damping] = &self.system.linear;
-        [stiffness + self.system.rotating() * speed, damping + self.system.gyroscopic() * speed]
+        matrices(&self.system, speed)
     }
 
     /// Whether the matrices depend on the speed.

@@ -56,8 +56,6 @@ pub(crate) struct Recorder<'m> {
     course: Course,
     places: Places,
     frame: Vec<f64>,
-    /// Of the coordinates.
-    accelerations: Vec<f64>,
     signals: Vec<Vec<f64>>,
     bearings: Vec<BearingRecord>,
     instructions: InstructionSet,
@@ -81,7 +79,6 @@ impl<'m> Recorder<'m> {
                 bodies: vec![Moved::default(); dynamics.frame.bodies.len()],
             },
             frame: vec![0.0; channels.len()],
-            accelerations: vec![0.0; dynamics.frame.len()],
             signals: channels.iter().map(|_| Vec::with_capacity(values)).collect(),
             bearings: vec![BearingRecord::default(); dynamics.bearings.len()],
             dynamics,
@@ -151,16 +148,19 @@ impl<'m> Recorder<'m> {
     #[inline(always)]
     fn gather_by(&mut self, stepper: &MachineStepper<'_>) {
         let (place, velocity) = stepper.coordinates();
-        stepper.write_accelerations(&mut self.accelerations);
+        let (inputs, speed) = (stepper.inputs(), self.dynamics.speed.at(stepper.time()).1);
         let frame = &self.dynamics.frame;
         let Places { rings, sensors, bodies } = &mut self.places;
-        for (places, rows) in
-            [(&mut *rings, &frame.ports), (&mut *sensors, &frame.sensors), (&mut *bodies, &frame.bodies)]
-        {
-            for (moved, rows) in places.iter_mut().zip(rows) {
+        let of = &frame.accelerations;
+        for (places, rows, accelerations) in [
+            (&mut *rings, &frame.ports, &of.ports),
+            (&mut *sensors, &frame.sensors, &of.sensors),
+            (&mut *bodies, &frame.bodies, &of.bodies),
+        ] {
+            for ((moved, rows), acceleration) in places.iter_mut().zip(rows).zip(accelerations) {
                 moved.displacement = rows.of_place(place);
                 moved.velocity = rows.of_place(velocity);
-                moved.acceleration = rows.of_place(&self.accelerations);
+                moved.acceleration = acceleration.at(speed, (place, velocity), inputs);
             }
         }
         let tilt = |axis: Axis| if axis == Axis::Y { 3 } else { 4 };

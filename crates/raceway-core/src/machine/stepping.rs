@@ -88,9 +88,8 @@ struct Scratch {
     /// 1 + K H_q + C H_v over the ports, row by row, and the right side and solution of its equations [N, N m].
     matrix: Vec<f64>,
     change: Vec<f64>,
-    /// The motion at the end of the step, and accelerations.
+    /// The motion at the end of the step.
     next: Vec<f64>,
-    accelerations: Vec<f64>,
 }
 
 /// Constants of steps of one length through a number of known nodes.
@@ -260,7 +259,6 @@ impl<'m> MachineStepper<'m> {
                 matrix: vec![0.0; ports * ports],
                 change: vec![0.0; ports],
                 next: vec![0.0; 2 * frame.len()],
-                accelerations: vec![0.0; frame.len()],
             },
             evaluations: 1,
             instructions: InstructionSet::best(),
@@ -346,7 +344,7 @@ impl<'m> MachineStepper<'m> {
         // The new node takes the place of the oldest one.
         self.past.rotate_right(1);
         let Self { dynamics, formulas, past: [new, now, before], scratch, motion, .. } = self;
-        let Scratch { matrix, change, next, accelerations } = scratch;
+        let Scratch { matrix, change, next } = scratch;
         let (frame, of_ports, turning) = (&dynamics.frame, &formulas.of_ports, dynamics.speed.at(end));
         let size = PORT * frame.ports.len();
         extrapolate(&formulas.ahead, &mut new[..size], &now[..size], &before[..size]);
@@ -360,9 +358,6 @@ impl<'m> MachineStepper<'m> {
         let (place, velocity) = next.split_at(frame.len());
         matrix.fill(0.0);
         (0..size).for_each(|k| matrix[k * size + k] = 1.0);
-        if of_ports.accelerations.is_some() {
-            frame.write_accelerations(turning.1, (place, velocity), new, accelerations);
-        }
         for (index, stepper) in self.bearings.iter_mut().enumerate() {
             let mut predicted = Predicted {
                 rings: dynamics.rings(index, place, velocity),
@@ -370,7 +365,7 @@ impl<'m> MachineStepper<'m> {
                 shares: Shares::default(),
             };
             if of_ports.accelerations.is_some() {
-                let [_, y, z, _, _] = frame.ports[index].of_place(accelerations);
+                let [_, y, z, _, _] = frame.accelerations.ports[index].at(turning.1, (place, velocity), new);
                 (predicted.acceleration, predicted.shares) = ([y, z], of_ports.shares[index]);
             }
             let [inner, outer] = stepper.advance(end, self.step, &predicted);
@@ -420,11 +415,9 @@ impl<'m> MachineStepper<'m> {
         self.motion.split_at(self.dynamics.frame.len())
     }
 
-    /// Writes the accelerations of the coordinates.
-    #[inline(always)]
-    pub(crate) fn write_accelerations(&self, accelerations: &mut [f64]) {
-        let speed = self.dynamics.speed.at(self.time).1;
-        self.dynamics.frame.write_accelerations(speed, self.coordinates(), &self.past[0], accelerations);
+    /// The newest inputs of shaft and housing.
+    pub(crate) fn inputs(&self) -> &[f64] {
+        &self.past[0]
     }
 
     /// Forces and moments of a bearing on the shaft.
