@@ -86,13 +86,13 @@ impl Padded {
 #[inline(always)]
 fn weighted_sum(columns: &[[f64; LANES]], values: &[f64]) -> [f64; LANES] {
     let length = columns.len().min(values.len());
-    let ((pairs, last), (values, last_value)) = (columns[..length].as_chunks::<2>(), values[..length].as_chunks::<2>());
+    let ((fours, last), (values, last_value)) = (columns[..length].as_chunks::<4>(), values[..length].as_chunks::<4>());
     // Two sums side by side: one would wait for itself with each column.
     let mut sums = [[0.0; LANES]; 2];
-    for (pair, values) in pairs.iter().zip(values) {
-        for side in 0..2 {
+    for (four, values) in fours.iter().zip(values) {
+        for column in 0..4 {
             for lane in 0..LANES {
-                sums[side][lane] += pair[side][lane] * values[side];
+                sums[column % 2][lane] += four[column][lane] * values[column];
             }
         }
     }

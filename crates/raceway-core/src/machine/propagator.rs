@@ -24,8 +24,10 @@ pub(crate) struct ExactStep {
 pub(crate) struct Propagator {
     /// Shares of places and of velocities.
     own: [Padded; 2],
-    /// Shares of the inputs at the nodes, newest first.
-    inputs: [Padded; NODES],
+    /// Shares of the inputs at the nodes, newest first, side by side.
+    inputs: Padded,
+    /// Those of the newest node alone.
+    newest: Padded,
 }
 
 impl ExactStep {
@@ -67,29 +69,30 @@ impl ExactStep {
 
     pub fn propagator(&self, known: usize) -> Propagator {
         let n = self.own.nrows() / 2;
+        let inputs = self.of_inputs(known);
+        let columns: Vec<_> = inputs.iter().flat_map(DMatrix::column_iter).collect();
         Propagator {
             own: [0, n].map(|first| Padded::of(&self.own.columns(first, n).into())),
-            inputs: self.of_inputs(known).each_ref().map(Padded::of),
+            inputs: Padded::of(&DMatrix::from_columns(&columns)),
+            newest: Padded::of(&inputs[0]),
         }
     }
 }
 
 impl Propagator {
-    /// Adds a share of the motion at the end of a step, under inputs at the nodes, newest first.
+    /// Adds a share of the motion at the end of a step, under inputs at the nodes, newest first, one behind the other.
     #[inline(always)]
-    pub fn add_step(&self, share: f64, motion: &[f64], inputs: [&[f64]; NODES], sums: &mut [f64]) {
+    pub fn add_step(&self, share: f64, motion: &[f64], inputs: &[f64], sums: &mut [f64]) {
         let (place, velocity) = motion.split_at(motion.len() / 2);
         self.own[0].add_product(share, place, sums);
         self.own[1].add_product(share, velocity, sums);
-        for (of_node, inputs) in self.inputs.iter().zip(inputs) {
-            of_node.add_product(share, inputs, sums);
-        }
+        self.inputs.add_product(share, inputs, sums);
     }
 
     /// Adds a share of the motion by a change of the first inputs at the new node.
     #[inline(always)]
     pub fn add_change(&self, share: f64, change: &[f64], sums: &mut [f64]) {
-        self.inputs[0].add_product(share, change, sums);
+        self.newest.add_product(share, change, sums);
     }
 }
 
@@ -122,9 +125,9 @@ mod tests {
                 let place = weights.iter().map(|weight| weight * t * t);
                 place.chain(weights.iter().map(|weight| weight * 2.0 * t / step)).collect()
             };
-            let nodes = [1.5, 0.5, -0.5].map(force);
+            let nodes = [1.5, 0.5, -0.5].map(force).concat();
             let mut end = vec![0.0; 4];
-            propagator.add_step(1.0, &motion(0.5), nodes.each_ref().map(Vec::as_slice), &mut end);
+            propagator.add_step(1.0, &motion(0.5), &nodes, &mut end);
             for (k, (found, exact)) in end.iter().zip(motion(1.5)).enumerate() {
                 let off = (found / exact - 1.0).abs();
                 assert!(off < 1e-10, "{frequencies:?} {ratio} {coupling}, {k}: {found} {exact}");

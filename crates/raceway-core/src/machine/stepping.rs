@@ -72,8 +72,8 @@ pub(crate) struct MachineStepper<'m> {
     time: f64,
     /// Places and velocities of the coordinates.
     motion: Vec<f64>,
-    /// Inputs of shaft and housing at the last nodes, newest first.
-    past: [Vec<f64>; NODES],
+    /// Inputs of shaft and housing at the last nodes, newest first, one behind the other.
+    past: Vec<f64>,
     /// Number of valid nodes.
     known: usize,
     steps_at: SpeedSteps,
@@ -251,7 +251,7 @@ impl<'m> MachineStepper<'m> {
             step: length.longest,
             time,
             motion: [place, velocity].concat(),
-            past: std::array::from_fn(|_| inputs.clone()),
+            past: inputs.repeat(NODES),
             known: 1,
             formulas: Formulas::new(dynamics, &mut steps_at, time, length.longest, 1),
             steps_at,
@@ -282,7 +282,7 @@ impl<'m> MachineStepper<'m> {
         };
         // What follows the kink, not what leads to it.
         let after = from.next_up();
-        self.dynamics.frame.write_loads(after, self.dynamics.speed.at(after), &mut self.past[0]);
+        self.dynamics.frame.write_loads(after, self.dynamics.speed.at(after), newest(&mut self.past));
         self.known = 1;
         self.step = self.full_step / START as f64;
         self.renew_formulas();
@@ -309,7 +309,7 @@ impl<'m> MachineStepper<'m> {
 
     fn advance_start(&mut self, mut past: Vec<Vec<f64>>) {
         self.bearings.iter_mut().for_each(BearingStepper::keep);
-        past.push(self.past[0].clone());
+        past.push(self.inputs().to_vec());
         for _ in 0..START {
             self.advance_once();
             if self.known < NODES {
@@ -322,8 +322,9 @@ impl<'m> MachineStepper<'m> {
             return;
         }
         self.bearings.iter_mut().for_each(BearingStepper::recall);
-        for (node, old) in self.past[1..].iter_mut().zip(past.into_iter().rev()) {
-            *node = old;
+        let size = self.inputs().len();
+        for (node, old) in self.past[size..].chunks_exact_mut(size).zip(past.iter().rev()) {
+            node.copy_from_slice(old);
         }
         self.step = self.full_step;
         self.renew_formulas();
@@ -341,18 +342,17 @@ impl<'m> MachineStepper<'m> {
     #[inline(always)]
     fn advance_by(&mut self) {
         let end = self.time + self.step;
-        // The new node takes the place of the oldest one.
-        self.past.rotate_right(1);
-        let Self { dynamics, formulas, past: [new, now, before], scratch, motion, .. } = self;
+        let Self { dynamics, formulas, past, scratch, motion, .. } = self;
         let Scratch { matrix, change, next } = scratch;
         let (frame, of_ports, turning) = (&dynamics.frame, &formulas.of_ports, dynamics.speed.at(end));
         let size = PORT * frame.ports.len();
-        extrapolate(&formulas.ahead, &mut new[..size], &now[..size], &before[..size]);
-        frame.write_loads(end, turning, new);
+        extrapolate(&formulas.ahead, past);
+        frame.write_loads(end, turning, newest(past));
         next.fill(0.0);
         for (share, propagator) in &formulas.propagators {
-            propagator.add_step(*share, motion, [new, now, before], next);
+            propagator.add_step(*share, motion, past, next);
         }
+        let new = newest(past);
 
         // Bearings at the predicted motion of their rings.
         let (place, velocity) = next.split_at(frame.len());
@@ -417,12 +417,12 @@ impl<'m> MachineStepper<'m> {
 
     /// The newest inputs of shaft and housing.
     pub(crate) fn inputs(&self) -> &[f64] {
-        &self.past[0]
+        &self.past[..self.past.len() / NODES]
     }
 
     /// Forces and moments of a bearing on the shaft.
     pub(crate) fn wrench(&self, bearing: usize) -> &[f64] {
-        &self.past[0][PORT * bearing..PORT * (bearing + 1)]
+        &self.past[PORT * bearing..PORT * (bearing + 1)]
     }
 }
 
@@ -448,10 +448,19 @@ impl Task for Step<'_, '_> {
     }
 }
 
-/// Replaces the forces of the oldest node by those at the next one, on the polynomial through all.
+/// The inputs at the newest node.
 #[inline(always)]
-fn extrapolate(weights: &[f64; NODES], oldest: &mut [f64], now: &[f64], before: &[f64]) {
-    for ((oldest, now), before) in oldest.iter_mut().zip(now).zip(before) {
-        *oldest = weights[0] * now + weights[1] * before + weights[2] * *oldest;
+fn newest(past: &mut [f64]) -> &mut [f64] {
+    let size = past.len() / NODES;
+    &mut past[..size]
+}
+
+/// Moves the nodes by one; the inputs at the new one are those on the polynomial through the others.
+#[inline(always)]
+fn extrapolate(weights: &[f64; NODES], past: &mut [f64]) {
+    let (new, others) = past.split_at_mut(past.len() / NODES);
+    let (before, oldest) = others.split_at_mut(new.len());
+    for ((new, before), oldest) in new.iter_mut().zip(before).zip(oldest) {
+        (*oldest, *before, *new) = (*before, *new, weights[0] * *new + weights[1] * *before + weights[2] * *oldest);
     }
 }
