@@ -7,7 +7,8 @@ use super::frame::Frame;
 use super::propagator::ExactStep;
 use crate::physics::operation::SpeedProfile;
 
-/// Parts of the range of a speed.
+/// Parts of the range of a speed. In the middle of one a step of length h damps by (g ΔΩ/2)² h/2, g: polar over transverse inertia. That is 0.03/s
+/// for a thin disc run up to 30 000 r/min in steps of 5.5 µs.
 const PARTS: f64 = 32.0;
 /// Steps that are kept: short and full ones at two speeds.
 const KEPT: usize = 4;
