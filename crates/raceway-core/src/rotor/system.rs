@@ -247,7 +247,7 @@ impl System {
         &self.rotating
     }
 
-    /// What is asked of the free motions at a speed [rad/s].
+    /// Answer of `ask` from the eigenvalues at a speed [rad/s].
     pub fn free_motion<T>(&self, speed: f64, ask: impl FnOnce(&FreeMotion<'_>) -> Option<T>) -> Result<T, RotorError> {
         let (stiffness, damping) = self.matrices(speed);
         let answer = FreeMotion::of(&stiffness, &damping).and_then(|motion| ask(&motion));

@@ -427,18 +427,7 @@ mod tests {
     }
 
     fn without_whirl(frequencies: CharacteristicFrequencies) -> LineSources<'static> {
-        LineSources {
-            frequencies,
-            cage_whirl: 0.0,
-            spindle_whirl: 0.0,
-            uneven_inner: false,
-            inner_orders: &[],
-            outer_ring: OuterRing::Stands,
-            uneven_raceways: false,
-            odd_ball_orders: false,
-            unequal_balls: false,
-            loads: &[],
-        }
+        LineSources { frequencies, ..LineSources::of_shaft(0.0, &[]) }
     }
 
     fn labelled(frequency: f64) -> String {
