@@ -2,9 +2,14 @@
 """Owners of tokens do not harm each other: turns between them, their shares of the limits, and what headers tell about the rest. Counts
 and ratios are checked; times are printed only. With RACEWAY the same cases run against another binary."""
 
+import contextlib
 import datetime
+import http.client
+import json
 import os
+import re
 import secrets
+import socket
 import statistics
 import sys
 import tempfile
@@ -221,7 +226,6 @@ def case_half_of_the_waiting_requests(service):
     statuses, done = [], threading.Event()
 
     def follow():
-        import http.client
         connection = http.client.HTTPConnection(service.url.removeprefix("http://"), timeout=30)
         connection.request("GET", f"{path}/events", headers={"Authorization": f"Bearer {A}"})
         answer = connection.getresponse()
@@ -255,6 +259,93 @@ def case_rate_by_cost(service):
     status, fields, _ = ask(service, A, "POST", "/v1/jobs", SHORT)
     check(status == 202, "the debt is paid after 2 s")
     check('"jobs";r=' in fields.get("RateLimit", ""), f"the answer tells the free places: {fields.get('RateLimit')!r}")
+
+
+class Slider:
+    """The slider of the page as it moves without end: a newer position cancels a preview that runs longer than the page waits, and the one
+    after a cancelled preview ends."""
+
+    HEAD_START = 0.25
+
+    def __init__(self, service, token):
+        self.host, self.headers = service.url.removeprefix("http://"), {"Authorization": f"Bearer {token}", "Content-Type": "application/json"}
+        self.statuses, self.cancelled, self.connection, self.leaving = [], 0, None, threading.Event()
+        self.thread = threading.Thread(target=self.move, daemon=True)
+
+    def __enter__(self):
+        """Moves; the first preview has ended or gives way to a newer one."""
+        self.thread.start()
+        while not self.statuses and not self.cancelled:
+            time.sleep(0.01)
+        return self
+
+    def __exit__(self, *_):
+        """Leaves the page: the preview that runs is cancelled."""
+        self.leaving.set()
+        with contextlib.suppress(OSError, AttributeError):
+            self.connection.sock.shutdown(socket.SHUT_RDWR)
+        self.thread.join()
+
+    def move(self):
+        position, follows = 0, False
+        while not self.leaving.is_set():
+            position += 1
+            job = {"kind": "simulation", "solver": {"model_tolerance_db": 1},
+                   "scene": {"bearing": {"preset": "6205", "radial_clearance_um": 5 + position % 200 / 10},
+                             "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}, "spindle": {"balance_grade": 6.3}},
+                   "outputs": {"metrics": ["vibration"], "spectra": ["spindle.y.acceleration"]}}
+            self.connection = http.client.HTTPConnection(self.host, timeout=30 if follows else self.HEAD_START)
+            try:
+                self.connection.request("POST", "/v1/preview", json.dumps(job), self.headers)
+                answer = self.connection.getresponse()
+                answer.read()
+                self.statuses.append(answer.status)
+                follows = False
+            except (OSError, http.client.HTTPException) as error:
+                if not isinstance(error, TimeoutError) and not self.leaving.is_set():
+                    self.statuses.append(str(error))
+                self.cancelled += 1
+                follows = True
+            finally:
+                self.connection.close()
+
+
+@with_service("--rate-limit", "0", "--queue-limit-per-owner", "1")
+def case_slider_of_another_owner(service):
+    """B's jobs, one after another, without and with a slider of A by turns. Owners have one place each."""
+    times, counts, lists, sliders = {False: [], True: []}, [], [], []
+
+    def jobs(slides):
+        end, least = time.monotonic() + 0.7, len(times[slides]) + 3
+        while time.monotonic() < end or len(times[slides]) < least:
+            status, _, job = ask(service, B, "POST", "/v1/jobs", SHORT, Prefer="wait=60")
+            if status != 200 or job["status"] != "succeeded":
+                sys.exit(f"FAILED: a job of B gives {status}: {job}")
+            times[slides].append(when(job, "finished_at") - when(job, "created_at"))
+            figures = ask(service, B, "GET", "/metrics")[2].decode()
+            counts.append(tuple(re.findall(r"^raceway_jobs_(?:waiting|running) (\d+)$", figures, re.MULTILINE)))
+            lists.append(ask(service, A, "GET", "/v1/jobs?limit=1")[2]["jobs"])
+
+    for _ in range(3):
+        jobs(False)
+        with Slider(service, A) as slider:
+            sliders.append(slider)
+            jobs(True)
+    with Slider(service, A) as slider:
+        sliders.append(slider)
+        check(submit(service, A, SHORT)[0] == 202, "the only place of A is free while its slider moves")
+    statuses = [status for slider in sliders for status in slider.statuses]
+    cancelled = sum(slider.cancelled for slider in sliders)
+    medians = [1e3 * statistics.median(times[slides]) for slides in (False, True)]
+    print(f"    {len(statuses)} previews of A answered, {cancelled} cancelled by newer ones")
+    print(f"    B's jobs take {medians[0]:.1f} ms without a slider of A, {medians[1]:.1f} ms with it (medians): ratio {medians[1] / medians[0]:.2f}")
+    # 422: longer than previews may take, on a machine without time for them.
+    check(set(statuses) <= {200, 422} and len(statuses) + cancelled > 0, f"previews are answered or cancelled: {set(statuses)}")
+    count = sum(map(len, times.values()))
+    check(True, f"all {count} jobs of B succeed")
+    check(set(counts) == {("0", "0")}, f"between B's jobs none waits and none runs: {set(counts)}")
+    check(not any(lists), "no preview is in A's list of jobs")
+    check((len(listed(service, A, "")), len(listed(service, B, ""))) == (1, count), "the lists have the submitted jobs and no others")
 
 
 CASES = [case for name, case in sorted(globals().items()) if name.startswith("case_")]

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Time that the service adds to the solver, and its response times while all cores simulate. Times are printed and have no limit,
-because machines differ. The check fails on a wrong response. Under .ci/with-postgres the first is measured there, too."""
+"""Time that the service adds to the solver, rates of the page's slider, and response times of the service while all cores simulate. Times
+are printed and have no limit, because machines differ. The check fails on a wrong response. Under .ci/with-postgres the first is measured there, too."""
 
 import http.client
 import json
+import math
 import os
 import statistics
 import sys
@@ -27,8 +28,8 @@ def told(name, seconds):
 class Client:
     """One persistent connection."""
 
-    def __init__(self, url):
-        self.connection = http.client.HTTPConnection(url.split("//")[1], timeout=60)
+    def __init__(self, url, timeout=60):
+        self.connection = http.client.HTTPConnection(url.split("//")[1], timeout=timeout)
 
     def ask(self, method, path, body=None, **headers):
         text = json.dumps(body) if body is not None else None
@@ -58,6 +59,50 @@ def overhead(client, where):
     return job
 
 
+# Longest time for the rates of all presets, time for a preset whose previews are fast, and for the first preview of a slow one [s].
+ALL_RATES, RATE, FIRST = 18, 1, 5
+
+
+def position(name, bearing, seconds):
+    """The request of the page's slider over the clearance, some time after `Sweep` at its start: the other settings are those of the page."""
+    swing = 1 - math.cos(math.pi / 2 + 2 * math.pi * seconds / 6)
+    changed = {"preset": name, "radial_clearance_um": float(f"{bearing['radial_clearance_um'] * swing:.5g}")}
+    return {"kind": "simulation", "solver": {"model_tolerance_db": 1},
+            "scene": {"bearing": changed, "operation": {"speed_rpm": 3000, "radial_load_y_n": 500}, "spindle": {"balance_grade": 6.3}},
+            "outputs": {"metrics": ["vibration"], "spectra": ["spindle.y.acceleration"]}}
+
+
+def slide(url, name, bearing, share):
+    """Prints the rate of previews of a preset, one after another, and cancels the first one if it takes longer than the share."""
+    begin, took, rungs = time.perf_counter(), [], set()
+    while not took or time.perf_counter() - begin < RATE:
+        since = time.perf_counter()
+        client = Client(url, timeout=max(share - (since - begin), 0.2))
+        try:
+            status, answer = client.ask("POST", "/v1/preview", position(name, bearing, since - begin))
+        except TimeoutError:
+            break
+        finally:
+            client.connection.close()
+        if status != 200:
+            check(False, f"the slider on {name} gives {status}: {answer}")
+        took.append(time.perf_counter() - since)
+        rungs.add(json.loads(answer)["metrics"]["solver"]["rung"])
+    if took:
+        told = f"{len(took) / sum(took):.1f} previews a second, {1e3 * statistics.median(took):.0f} ms in the median of {len(took)}"
+        print(f"slider on {name}: {told}, model {' and '.join(sorted(rungs))}")
+    else:
+        print(f"slider on {name}: no preview within {share:.1f} s")
+
+
+def slider(service):
+    """The rate for every preset. What fast ones leave of the time is for slow ones."""
+    presets = service.request("GET", "/v1/presets")[2]["bearings"]
+    end = time.perf_counter() + ALL_RATES
+    for left, (name, preset) in zip(range(len(presets), 0, -1), presets.items()):
+        slide(service.url, name, preset["bearing"], min((end - time.perf_counter()) / left, FIRST))
+
+
 server = os.environ.get("RACEWAY_TEST_POSTGRES")
 if server:
     with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
@@ -73,6 +118,7 @@ with tempfile.TemporaryDirectory(prefix="raceway-check-") as directory:
         client = Client(service.url)
         job = overhead(client, "SQLite")
         path = job["links"]["self"]
+        slider(service)
 
         # From here on every worker is busy.
         long = {**ARTICLE, "duration_s": 20, "solver": {"rung": "full", "relative_tolerance": 1e-6}}

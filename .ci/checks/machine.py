@@ -119,6 +119,18 @@ def case_growing_whirl(running):
     verdict(ended["status"] == "failed" and "rotating_share" in detail, f"whirl that damping drives: {ended['status']}, {detail}")
 
 
+def case_whirl_by_traction(running):
+    """Two close bearings hold a spindle whose balls drive its whirl by their traction, where the linear analysis is stable."""
+    pair = [{"name": name, "bearing": "7008C", "at_mm": at, "faces": faces} for name, at, faces in (("A", 0, "+x"), ("B", 15, "-x"))]
+    spindle = {"spindle": {"mass_kg": 3, "balance_grade": 2.5}, "bearings": pair, "preloads": [{"between": ["A", "B"], "force_n": 150}]}
+    for rpm, whirls in ((20000, True), (6000, False)):
+        body = {"kind": "machine", "scene": spindle | {"operation": {"speed_rpm": rpm, "radial_load_y_n": 100}}, "duration_s": 0.1}
+        run = result(running, body, "machine")
+        unnamed = [one for one in run["messages"] if one["code"] == "unnamed-line"]
+        verdict(run["is_stable"] and bool(unnamed) == whirls, f"whirl at {rpm} r/min: {[one['text'][:90] for one in unnamed]}")
+        verdict(run["arrangements"] == [{"between": ["A", "B"], "arrangement": "DB"}], f"arrangement {run['arrangements']}")
+
+
 def case_open_side(running):
     def thrust(facing):
         """Thrusts over open sides by name, of two bearings of which the second has a spring; the first one faces this way."""

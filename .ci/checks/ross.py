@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """Rotor jobs beside ROSS: the exported script runs with ross-rotordynamics from PyPI, and natural frequencies, critical speeds and unbalance
-response agree to the printed digits; the form for ROSS 3 has its own argument name. With a URL as argument the rotors run there.
+response agree to the printed digits. The form for ROSS 3, which needs a newer Python, calls ROSS only by the recorded names of arguments.
+With a URL as argument the rotors run there.
 
 ROSS is installed once in a virtual environment under CI_TOOLS, else under the directory of temporary files."""
 
+import ast
+import builtins
 import json
 import os
 import re
@@ -18,6 +21,9 @@ from cases import result, run_cases, verdict  # noqa: E402
 # ROSS 2.3.0 uses a plot type that plotly 6 removed.
 PACKAGES = ("ross-rotordynamics==2.3.0", "plotly==5.24.1")
 TOOLS = os.path.join(os.environ.get("CI_TOOLS", tempfile.gettempdir()), "raceway-ross")
+
+# Names of the arguments of each call, in their order, without `self`. Names only: a class with `**kwargs` ignores others without a word.
+SIGNATURES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "ross-3-signatures.json")
 
 STEEL = {"elastic_modulus_gpa": 211, "poisson_ratio": 211 / (2 * 81.2) - 1, "density_kg_m3": 7810}
 
@@ -137,6 +143,62 @@ def case_argument_of_the_tables(running):
 
 def bearings():
     return [{"name": name, "bearing": "6205", "at_mm": at, "faces": faces} for name, at, faces in (("A", 40, "+x"), ("B", 260, "-x"))]
+
+
+def calls_of_ross(script):
+    """Pairs of the recorded name of each call of ROSS in a script, such as `Rotor.run_modal`, and the call. What is called by its bare name has
+    to be a function of the script or of Python."""
+    nodes = list(ast.walk(ast.parse(script)))
+    imported = [name for node in nodes if isinstance(node, ast.Import) for name in node.names]
+    own = {node.name for node in nodes if isinstance(node, ast.FunctionDef)} | set(dir(builtins))
+    # Names of the script that are ROSS or one of its objects, and how the record names them.
+    known = {name.asname or name.name: "" for name in imported if name.name == "ross"}
+
+    def recorded(call):
+        root, _, rest = ast.unparse(call.func).partition(".")
+        return known[root] + rest if root in known else None
+
+    for node in nodes:
+        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and recorded(node.value):
+            known |= {target.id: f"{recorded(node.value)}." for target in node.targets}
+    calls = [node for node in nodes if isinstance(node, ast.Call)]
+    unknown = {call.func.id for call in calls if isinstance(call.func, ast.Name)} - own
+    if unknown:
+        sys.exit(f"FAILED: the script calls {unknown}, which it does not define")
+    return [(recorded(call), call) for call in calls if recorded(call)]
+
+
+def faults_of(script, signatures):
+    """What the calls of ROSS in a script do against the recorded signatures, and the names that it calls."""
+    faults, called = set(), set()
+    for name, call in calls_of_ross(script):
+        called.add(name)
+        if name not in signatures:
+            faults.add(f"{name} is not recorded")
+            continue
+        required, optional = (signatures[name][kind] for kind in ("required", "optional"))
+        names, given = required + optional, [keyword.arg for keyword in call.keywords]
+        by_place = names[:len(call.args)]
+        if len(call.args) > len(names):
+            faults.add(f"{name} takes {len(names)} arguments, not {len(call.args)}")
+        faults |= {f"{name} takes no {keyword}" for keyword in given if keyword not in names}
+        faults |= {f"{name} gets {keyword} twice" for keyword in given if keyword in by_place}
+        faults |= {f"{name} needs {missing}" for missing in required if missing not in by_place + given}
+    return sorted(faults), called
+
+
+def case_signatures_of_ross_3(running):
+    """ROSS 3 needs Python 3.13, so that its script is read and not run: with constant supports, and with tables of bearings."""
+    with open(SIGNATURES, encoding="utf-8") as file:
+        record = json.load(file)
+    loaded = {"supports": [], "bearings": bearings(), "operation": {"speed_rpm": 12000, "radial_load_y_n": 500, "axial_load_n": 100}}
+    for name, job in (("supports", MIDDLE), ("bearings", MIDDLE | {"scene": MIDDLE["scene"] | loaded})):
+        script = script_of(running, job, 3)
+        faults, called = faults_of(script, record["calls"])
+        told = "; ".join(faults) or f"calls {len(called)} names with arguments of that version"
+        verdict(not faults and called == set(record["calls"]), f"script with {name} for ROSS {record['version']}: {told}")
+        spoilt = set(faults_of(script.replace(" odl=", " outer="), record["calls"])[0]) - set(faults)
+        verdict(spoilt == {"ShaftElement takes no outer", "ShaftElement needs odl"}, f"a wrong name is found: {', '.join(sorted(spoilt))}")
 
 
 def case_turning_outer_rings(running):

@@ -19,7 +19,7 @@ export function showDerived(host, resolved) {
     );
   const opened = host.querySelector('details')?.open;
   host.replaceChildren(
-    h('h2', { class: 'unseen' }, 'Derived quantities'),
+    h('h2', {}, 'Quantities of the scene in the form'),
     h(
       'div',
       { class: 'derived' },

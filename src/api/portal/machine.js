@@ -126,7 +126,7 @@ export class MachineView {
       shown.slice(0, 4).map(of),
       headlineFigures(this.answer),
       figure('Largest ball load', number(load), 'N'),
-      isStable !== undefined && figure('Natural motions', isStable ? 'stable' : 'unstable'),
+      isStable !== undefined && figure('Linear analysis', isStable ? 'stable' : 'unstable'),
       figure('Step', number(model.step_us, 3), 'µs', `${model.coordinates} coordinates of the shaft`),
     );
   }

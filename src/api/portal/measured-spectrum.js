@@ -10,6 +10,8 @@ const FLOOR_REACH = 25;
 /** Share of an edge of a band within which a bin is at the edge. */
 const EDGE_SHARE = 1e-6;
 const LEAST_SHARE = 1e-3;
+/** Most weaker peaks of a prediction that are listed, as in the API. */
+const MOST_WEAKER = 20;
 /** Largest shift of a line against its prediction: slip, contact angle and speed move lines by about 1 %. */
 const MOST_SHIFT = 0.02;
 /** Share of the sampling rate up to which a record is compared, as in the API. */
@@ -203,14 +205,18 @@ export function bandOf({ frequency_hz: frequency, amplitude }, from, to) {
 }
 
 /** Lines of a spectrum up to a frequency [Hz], strongest first: `{ frequency_hz, amplitude, over_floor_db }`. */
-export function linesOf({ amplitude, resolution_hz: resolution }, highest) {
+export function linesOf(spectrum, highest) {
+  const peaks = peaksOf(spectrum, highest);
+  return peaks.filter(({ amplitude }) => amplitude > LEAST_SHARE * peaks[0].amplitude);
+}
+
+/** Lines of a spectrum and all weaker ones above its floor, however strong the strongest is. */
+export function peaksOf({ amplitude, resolution_hz: resolution }, highest) {
   const end = Math.min(amplitude.length - LOBE, Math.floor(highest / resolution) + 1);
-  let strongest = 0;
-  for (let bin = LOBE; bin < end; bin += 1) strongest = Math.max(strongest, amplitude[bin]);
   const isMaximum = (bin) => [1, 2].every((d) => amplitude[bin] > amplitude[bin - d] && amplitude[bin] >= amplitude[bin + d]);
   const lines = [];
   for (let bin = LOBE; bin < end; bin += 1) {
-    if (amplitude[bin] <= LEAST_SHARE * strongest || !isMaximum(bin)) continue;
+    if (!isMaximum(bin)) continue;
     const floor = floorOf(amplitude, bin);
     if (amplitude[bin] <= FLOOR_FACTOR * floor) continue;
     const line = interpolated(amplitude, bin);
@@ -249,39 +255,51 @@ function interpolated(amplitude, bin) {
 
 const decibels = (measured, predicted) => (measured > 0 && predicted > 0 ? 20 * Math.log10(measured / predicted) : null);
 
-/** Predicted lines with their partners, by order, and the measured lines where the prediction has none. `known`: all lines of the predicted spectrum.
- *  `speeds_hz`: of the predicted and of the measured shaft. */
-export function comparedLines(predicted, measured, [own, other], resolution, known = []) {
+/** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. `speeds_hz`: of the predicted and
+ *  of the measured shaft. */
+function partnersOf(predicted, measured, [own, other], resolution) {
   const orders = predicted.map((line) => line.frequency_hz / own);
   const taken = new Set();
-  const partners = new Map();
+  const partners = predicted.map(() => undefined);
   const sequence = predicted.map((_, k) => k).sort((a, b) => predicted[b].amplitude - predicted[a].amplitude);
   for (const k of sequence) {
-    const nearest = Math.min(...orders.map((order, i) => (i === k ? Infinity : Math.abs(order - orders[k]))));
+    const nearest = orders.reduce((least, order, i) => (i === k ? least : Math.min(least, Math.abs(order - orders[k]))), Infinity);
     const reach = Math.max(Math.min(MOST_SHIFT * orders[k], nearest / 2), (1.5 * resolution) / other);
-    const found = measured.find((line) => !taken.has(line) && Math.abs(line.frequency_hz / other - orders[k]) <= reach);
-    if (!found) continue;
-    taken.add(found);
-    partners.set(k, found);
+    partners[k] = measured.find((line) => !taken.has(line) && Math.abs(line.frequency_hz / other - orders[k]) <= reach);
+    if (partners[k]) taken.add(partners[k]);
   }
-  const lines = predicted.map((line, k) => {
-    const found = partners.get(k);
-    const order = found && found.frequency_hz / other;
+  return partners;
+}
+
+/** Predicted lines with their partners, by order, then weaker peaks of the prediction that were measured, and the measured lines where the
+ *  prediction has none. `peaks`: all of the predicted spectrum. `speeds_hz`: of the predicted and of the measured shaft. */
+export function comparedLines(predicted, measured, speeds_hz, resolution, peaks = []) {
+  const [own, other] = speeds_hz;
+  const row = (line, found) => {
+    const [of_prediction, of_record] = [line.frequency_hz / own, found && found.frequency_hz / other];
     return {
       label: line.label,
-      predicted_order: orders[k],
+      predicted_order: of_prediction,
       predicted_amplitude: line.amplitude,
       ...(found && {
-        measured_order: order,
-        order_difference_percent: 100 * (order / orders[k] - 1),
+        measured_order: of_record,
+        order_difference_percent: 100 * (of_record / of_prediction - 1),
         measured_amplitude: found.amplitude,
         level_ratio_db: decibels(found.amplitude, line.amplitude),
         over_floor_db: found.over_floor_db,
       }),
     };
-  });
-  const isKnown = (line) => known.some((one) => Math.abs(line.frequency_hz / other - one.frequency_hz / own) <= (1.5 * resolution) / other);
-  return { lines, others: measured.filter((line) => !taken.has(line) && !isKnown(line)) };
+  };
+  const partners = partnersOf(predicted, measured, speeds_hz, resolution);
+  const left = measured.filter((line) => !partners.includes(line));
+  const isListed = ({ frequency_hz }) => predicted.some((line) => Math.abs(line.frequency_hz - frequency_hz) <= 1.5 * resolution);
+  const weaker = peaks.filter((peak) => !isListed(peak));
+  const ofWeaker = partnersOf(weaker, left, speeds_hz, resolution);
+  const found = weaker.map((line, k) => ofWeaker[k] && row(line, ofWeaker[k])).filter(Boolean);
+  return {
+    lines: [...predicted.map((line, k) => row(line, partners[k])), ...found.slice(0, MOST_WEAKER)],
+    others: left.filter((line) => !ofWeaker.includes(line)),
+  };
 }
 
 /** Levels of both spectra of an acceleration [m/s²] in bands `[from, to]` [Hz] that both cover. Other motions have no velocity. */

@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { h, labelled, lineName, select, table, tools } from './dom.js';
 import { channelName, number, plainNumber, quantity } from './format.js';
 import { readMeasured } from './measured-files.js';
-import { byAngle, comparedLevels, comparedLines, linesOf, pulsesOf, spectrumOf } from './measured-spectrum.js';
+import { byAngle, comparedLevels, comparedLines, linesOf, peaksOf, pulsesOf, spectrumOf } from './measured-spectrum.js';
 import { usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 
@@ -176,7 +176,7 @@ export class MeasuredPanel {
     const to = Math.min(measured.highest_hz, BAND, predicted.frequency_hz.at(-1));
     const from = 2 * predicted.resolution_hz;
     const own = this.lines.filter((line) => line.channel === channel && line.frequency_hz >= from && line.frequency_hz <= to);
-    const { lines, others } = comparedLines(own, linesOf(measured, to), [this.speed, speed], predicted.resolution_hz, linesOf(predicted, to));
+    const { lines, others } = comparedLines(own, linesOf(measured, to), [this.speed, speed], predicted.resolution_hz, peaksOf(predicted, to));
     const isAcceleration = motionOf(channel) === 'acceleration';
     const levels = comparedLevels(measured, predicted, BANDS, { isAcceleration, unit: predicted.unit, from, to });
     this.figure.hidden = false;
@@ -193,6 +193,7 @@ export class MeasuredPanel {
       `${this.read.name} (${this.read.format}), shaft at ${quantity(60 * speed, 'r/min', 6)}.`,
       gain !== 1 && `Gain ${decibels(20 * Math.log10(gain))} dB.`,
       TRANSFER,
+      'Envelopes are compared by the API.',
     ]
       .filter(Boolean)
       .join(' ');

@@ -222,13 +222,14 @@ export class SpectrumPlot extends Plot {
             .join(' and ')}`;
   }
 
-  /** Places the labels of lines, strongest first. A label that would cover another one is omitted. */
+  /** Places the labels of lines, strongest first; a line without name gets its frequency. A label that would cover another one is omitted. */
   #placeLabels(u) {
     const { min, max } = u.scales.x;
     const taken = [];
     let used = 0;
-    for (const { label, frequency_hz: f, amplitude } of this.drawn.lines) {
-      if (!label || f < min || f > max) continue;
+    for (const { label: name, frequency_hz: f, amplitude } of this.drawn.lines) {
+      if (f < min || f > max) continue;
+      const label = name || quantity(f, 'Hz', 4);
       const width = label.length * 6.6 + 6;
       const peak = u.valToPos(f, 'x');
       const x = Math.min(Math.max(peak, width / 2), u.over.clientWidth - width / 2);

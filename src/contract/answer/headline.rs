@@ -192,7 +192,8 @@ mod tests {
         {
             assert!((anderon_um_s(&of) / expected - 1.0).abs() < 1e-4, "{}", anderon_um_s(&of));
         }
-        let metrics = BandMetrics { bands: vec![band(50.0, 300.0)], severity: None, parseval_ratio: None };
+        let metrics =
+            BandMetrics { resolution: 1.0, bands: vec![band(50.0, 300.0)], severity: None, parseval_ratio: None };
         let anderon = |speed| bands(&metrics, speed)[0].anderon;
         assert!((anderon(Some(-1797.0)).unwrap() - 1.0).abs() < 1e-4);
         assert_eq!([anderon(Some(1750.0)), anderon(None)], [None, None]);

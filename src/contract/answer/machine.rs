@@ -9,11 +9,13 @@ use raceway_core::machine::run::simulate_on;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::model_level::ModelLevel;
+use raceway_core::simulation::recording::bands::BandMetrics;
 use raceway_core::simulation::recording::sampling::RATE;
 use raceway_core::simulation::result::lines::Line;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::arrangement::{ArrangementAnswer, arrangements};
 use super::failure::{DID_NOT_CONVERGE, NUMERICAL_BLOWUP, RunFailure, SPINDLE_LEFT_BEARING};
 use super::headline::{BandAnswer, HeadlineAnswer, bands, in_g, velocity_mm_s};
 use super::messages::{self, MessageAnswer};
@@ -46,9 +48,13 @@ pub struct MachineAnswer {
     pub envelope: Option<EnvelopeName>,
     /// What each bearing did, by its name.
     pub bearings: BTreeMap<String, MachineBearingAnswer>,
+    /// How neighbouring bearings face each other, along the shaft; absent with fewer than two bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub arrangements: Vec<ArrangementAnswer>,
     /// Natural motions of shaft and bearings, linear about the operating point, below 20 kHz.
     pub natural_frequencies: Vec<NaturalFrequencyAnswer>,
-    /// Whether every natural motion decays at the operating speed; absent where supports and loaded bearings leave a motion free.
+    /// Whether every natural motion decays at the operating speed by the linear analysis, which leaves out tractions of the balls; absent where
+    /// supports and loaded bearings leave a motion free.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub is_stable: Option<bool>,
@@ -225,7 +231,7 @@ impl MachineOutcome {
         let result = simulate_on(job.level, &job.machine, &job.settings, control)?;
         let kind = job.settings.envelope.kind;
         let spectra = spectra(&job.machine, &result, kind);
-        let (answer, series) = (answer(&job.machine, &result, kind), series(&job.machine, result, control));
+        let (answer, series) = (answer(job, &result), series(&job.machine, result, control));
         Ok(Self { answer, spectra, series })
     }
 }
@@ -247,7 +253,8 @@ impl From<MachineError> for RunFailure {
     }
 }
 
-fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> MachineAnswer {
+fn answer(job: &MachineJob, result: &MachineResult) -> MachineAnswer {
+    let (machine, envelope) = (&job.machine, job.settings.envelope.kind);
     let named = |channel: &MachineChannel| channel.named(machine).to_string();
     let lines = |of: fn(&SignalSpectra) -> &Vec<Line>| {
         let of_channel = |spectra: &'_ SignalSpectra| -> Vec<LineAnswer> {
@@ -275,6 +282,7 @@ fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> 
             .map(|bearing| bearing.name.clone())
             .zip(result.bearings.iter().map(bearing_answer))
             .collect(),
+        arrangements: arrangements(&job.input.scene),
         natural_frequencies: result
             .natural_frequencies
             .iter()
@@ -296,16 +304,37 @@ fn answer(machine: &Machine, result: &MachineResult, envelope: EnvelopeKind) -> 
             level_errors_db: known(&result.accuracy.errors),
             model_errors_db,
         },
-        messages: result.warnings.iter().map(|warning| messages::of_machine(machine, warning)).collect(),
+        messages: result
+            .warnings
+            .iter()
+            .map(|warning| messages::of_machine(machine, warning))
+            .chain(messages_of_bands(machine, result))
+            .collect(),
     }
 }
 
 /// The headline of the first sensor, bearing or body.
 fn headline(machine: &Machine, result: &MachineResult) -> Option<HeadlineAnswer> {
-    let first = MachineChannel::first_acceleration(machine);
-    let (channel, metrics) = result.channels.iter().find(|(channel, _)| *channel == first)?;
-    let of = metrics.bands.as_ref()?;
+    let (channel, metrics, of) = first_acceleration(machine, result)?;
     HeadlineAnswer::of(channel.named(machine).to_string(), metrics.rms, metrics.peak, of, bands(of, None))
+}
+
+/// The channel of the headline with its metrics and bands.
+fn first_acceleration<'a>(
+    machine: &Machine,
+    result: &'a MachineResult,
+) -> Option<(MachineChannel, &'a SignalMetrics, &'a BandMetrics)> {
+    let first = MachineChannel::first_acceleration(machine);
+    let (_, metrics) = result.channels.iter().find(|(channel, _)| *channel == first)?;
+    Some((first, metrics, metrics.bands.as_ref()?))
+}
+
+/// Messages about the bands of the headline.
+fn messages_of_bands(machine: &Machine, result: &MachineResult) -> Vec<MessageAnswer> {
+    let Some((channel, _, bands)) = first_acceleration(machine, result) else { return Vec::new() };
+    let spectra = result.spectra.iter().filter(|spectra| spectra.channel == channel);
+    let lines: Vec<&Line> = spectra.flat_map(|spectra| &spectra.lines).collect();
+    messages::of_bands(&channel.named(machine).to_string(), bands, &lines)
 }
 
 fn channel_answer(channel: &MachineChannel, metrics: &SignalMetrics) -> MachineChannelAnswer {

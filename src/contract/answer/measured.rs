@@ -34,7 +34,8 @@ pub struct MeasuredAnswer {
     pub to_hz: f64,
     /// Levels over the compared band and in each band.
     pub levels: Vec<LevelComparisonAnswer>,
-    /// Predicted lines with the measured lines that belong to them, in the sequence of `lines` of the metrics.
+    /// Predicted lines with the measured lines that belong to them: those of `lines` of the metrics in their sequence, then at most 20 weaker
+    /// peaks of the predicted spectrum, strongest first and without labels.
     pub lines: Vec<LineComparisonAnswer>,
     /// Lines without a partner.
     pub unmatched: UnmatchedLinesAnswer,

@@ -1,6 +1,6 @@
 //! Levels and lines of a measured record beside those of a prediction.
 
-use raceway_core::measured::lines::{MeasuredLine, PredictedLine, SHIFT_BINS, lines_of, partners};
+use raceway_core::measured::lines::{MeasuredLine, PredictedLine, SHIFT_BINS, lines_of, partners, peaks_of};
 use raceway_core::measured::record::{Division, Record};
 use raceway_core::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind, Spectrum};
 use raceway_core::simulation::recording::bands::{LOWEST_BIN, SEVERITY_BAND};
@@ -17,8 +17,8 @@ use crate::contract::job::measurement::Measurement;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::{FieldError, Refusal};
 
-/// Largest number of listed lines without a partner.
-const MOST_UNMATCHED: usize = 20;
+/// Largest number of measured lines without a partner, and of further predicted peaks with one.
+const MOST_LISTED: usize = 20;
 /// Difference of the speeds from which on a note says so [-].
 const OTHER_SPEED: f64 = 0.02;
 
@@ -80,16 +80,12 @@ impl MeasuredAnswer {
         let speeds = [prediction.speed_hz, speed];
         let own = |line: &&LineAnswer| line.channel == predicted.channel && (from..=to).contains(&line.frequency_hz);
         let lines: Vec<&LineAnswer> = prediction.lines.iter().filter(own).collect();
-        let (lines, mut unmatched) = compared_lines(&lines, &spectra.amplitude, to, speeds, AMPLITUDES);
-        let known = known_orders(predicted, to, prediction.speed_hz);
-        let reach = SHIFT_BINS * predicted.resolution_hz / speed;
-        unmatched.measured.retain(|line| !known.iter().any(|order| (order - line.order).abs() <= reach));
-        unmatched.measured.truncate(MOST_UNMATCHED);
+        let others = other_peaks(predicted, &lines, (from, to));
+        let (lines, unmatched) = compared_lines((&lines, &others), &spectra.amplitude, to, speeds, AMPLITUDES);
         let envelope = spectra.envelope.as_ref().zip(division.envelope).map(|(spectrum, analysis)| {
             let decibels = if analysis.kind == EnvelopeKind::Squared { SQUARES } else { AMPLITUDES };
             let own: Vec<&LineAnswer> = prediction.envelope_lines.iter().filter(own).collect();
-            let (lines, mut unmatched) = compared_lines(&own, spectrum, to, speeds, decibels);
-            unmatched.measured.truncate(MOST_UNMATCHED);
+            let (lines, unmatched) = compared_lines((&own, &[]), spectrum, to, speeds, decibels);
             let unit = unit_of_envelope(&predicted.unit, analysis.kind);
             EnvelopeComparisonAnswer { unit, band_hz: vec![analysis.band.0, analysis.band.1], lines, unmatched }
         });
@@ -218,20 +214,32 @@ fn ratio(decibels: f64, measured: f64, predicted: f64) -> Option<f64> {
     (measured > 0.0 && predicted > 0.0).then(|| decibels * (measured / predicted).log10())
 }
 
-/// Orders of all lines of a predicted spectrum, which are more than its strongest ones that have labels.
-fn known_orders(predicted: &SpectrumAnswer, highest: f64, speed: f64) -> Vec<f64> {
+/// Peaks of a predicted spectrum between two frequencies [Hz] beside its listed lines, which are no more than the strongest. They have no labels.
+fn other_peaks(predicted: &SpectrumAnswer, listed: &[&LineAnswer], (from, to): (f64, f64)) -> Vec<LineAnswer> {
     let spectrum = Spectrum {
         resolution: predicted.resolution_hz,
         amplitude: predicted.amplitude.clone(),
         window: "hann",
         averages: predicted.averages,
     };
-    lines_of(&spectrum, highest).iter().map(|line| line.frequency / speed).collect()
+    let reach = SHIFT_BINS * predicted.resolution_hz;
+    let is_listed = |frequency: f64| listed.iter().any(|line| (line.frequency_hz - frequency).abs() <= reach);
+    let others =
+        peaks_of(&spectrum, to).into_iter().filter(|peak| peak.frequency >= from && !is_listed(peak.frequency));
+    let line = |peak: MeasuredLine| LineAnswer {
+        channel: predicted.channel.clone(),
+        frequency_hz: peak.frequency,
+        amplitude: peak.amplitude,
+        label: String::new(),
+        deviation_hz: 0.0,
+    };
+    others.map(line).collect()
 }
 
-/// Predicted lines with their partners, and lines without one. `speeds`: of the predicted and of the measured shaft [Hz].
+/// Listed predicted lines with their partners, then other predicted peaks with theirs, strongest first; and lines without one. `speeds`: of the
+/// predicted and of the measured shaft [Hz].
 fn compared_lines(
-    predicted: &[&LineAnswer],
+    (listed, others): (&[&LineAnswer], &[LineAnswer]),
     spectrum: &Spectrum,
     highest: f64,
     speeds: [f64; 2],
@@ -239,13 +247,14 @@ fn compared_lines(
 ) -> (Vec<LineComparisonAnswer>, UnmatchedLinesAnswer) {
     let measured = lines_of(spectrum, highest);
     let of_shaft = |line: &LineAnswer| line.frequency_hz / speeds[0];
-    let by_order: Vec<PredictedLine> =
-        predicted.iter().map(|line| PredictedLine { order: of_shaft(line), amplitude: line.amplitude }).collect();
-    let partners = partners(&by_order, &measured, speeds[1], spectrum.resolution);
-    let compared = predicted.iter().zip(&partners).filter_map(|(line, partner)| {
-        let found = &measured[(*partner)?];
+    let partners = |predicted: &[&LineAnswer], measured: &[MeasuredLine]| {
+        let line = |line: &&LineAnswer| PredictedLine { order: of_shaft(line), amplitude: line.amplitude };
+        let by_order: Vec<PredictedLine> = predicted.iter().map(line).collect();
+        partners(&by_order, measured, speeds[1], spectrum.resolution)
+    };
+    let compared = |line: &LineAnswer, found: &MeasuredLine| {
         let (predicted_order, measured_order) = (of_shaft(line), found.frequency / speeds[1]);
-        Some(LineComparisonAnswer {
+        LineComparisonAnswer {
             label: line.label.clone(),
             predicted_order,
             measured_order,
@@ -254,17 +263,27 @@ fn compared_lines(
             measured_amplitude: found.amplitude,
             level_ratio_db: ratio(decibels, found.amplitude, line.amplitude),
             over_floor_db: found.over_floor.map(|over| AMPLITUDES * over.log10()),
-        })
-    });
-    let alone = predicted.iter().zip(&partners).filter(|(_, partner)| partner.is_none());
+        }
+    };
+    let without = |measured: &[MeasuredLine], taken: &[Option<usize>]| -> Vec<MeasuredLine> {
+        let is_left = |(number, _): &(usize, &MeasuredLine)| !taken.contains(&Some(*number));
+        measured.iter().enumerate().filter(is_left).map(|(_, line)| *line).collect()
+    };
+    let of_listed = partners(listed, &measured);
+    let left = without(&measured, &of_listed);
+    let others: Vec<&LineAnswer> = others.iter().collect();
+    let of_others = partners(&others, &left);
+    let found = listed.iter().zip(&of_listed).filter_map(|(line, at)| Some(compared(line, &measured[(*at)?])));
+    let also_found = others.iter().zip(&of_others).filter_map(|(line, at)| Some(compared(line, &left[(*at)?])));
+    let lines = found.chain(also_found.take(MOST_LISTED)).collect();
+    let alone = listed.iter().zip(&of_listed).filter(|(_, partner)| partner.is_none());
     let of_prediction = |(line, _): (&&LineAnswer, &Option<usize>)| UnmatchedLineAnswer {
         label: line.label.clone(),
         order: of_shaft(line),
         frequency_hz: line.frequency_hz,
         amplitude: line.amplitude,
     };
-    let others = measured.iter().enumerate().filter(|(number, _)| !partners.contains(&Some(*number)));
-    let of_record = |(_, line): (usize, &MeasuredLine)| UnmatchedLineAnswer {
+    let of_record = |line: MeasuredLine| UnmatchedLineAnswer {
         label: String::new(),
         order: line.frequency / speeds[1],
         frequency_hz: line.frequency,
@@ -272,9 +291,9 @@ fn compared_lines(
     };
     let unmatched = UnmatchedLinesAnswer {
         predicted: alone.map(of_prediction).collect(),
-        measured: others.map(of_record).collect(),
+        measured: without(&left, &of_others).into_iter().map(of_record).take(MOST_LISTED).collect(),
     };
-    (compared.collect(), unmatched)
+    (lines, unmatched)
 }
 
 #[cfg(test)]
@@ -316,8 +335,11 @@ mod tests {
 
     /// The prediction: 1 s of the signal at 3000 r/min.
     fn prediction() -> Prediction {
-        let values = signal(RATE, 1.0, 1.0);
-        let record = Record { values: &values, rate: RATE, turning: Turning::Even(50.0) };
+        prediction_of(&signal(RATE, 1.0, 1.0))
+    }
+
+    fn prediction_of(values: &[f64]) -> Prediction {
+        let record = Record { values, rate: RATE, turning: Turning::Even(50.0) };
         let spectra = record.spectra(&Division::of(1.0, 1, Some(ENVELOPE)), &|| false).unwrap();
         let lines = |spectrum: &Spectrum| {
             let line = |line: MeasuredLine| LineAnswer {
@@ -384,6 +406,21 @@ mod tests {
         let in_g = signal(RATE, 1.0, 1.0).iter().map(|value| value / 9.80665).collect();
         let answer = compared(RATE, in_g, &json!({ "speed_rpm": 3000, "unit": "g" }));
         assert!(off(&answer, 0.0, 0.0)[0] < 1e-3);
+    }
+
+    /// A line 60 dB below the strongest is not listed among the predicted ones; a measured line there is predicted all the same.
+    #[test]
+    fn weak_predicted_lines_are_known() {
+        let own = signal(RATE, 1.0, 1.0);
+        let strong = |k: usize| 5e3 * (TAU * 50.0 * 40.0 * k as f64 / RATE).sin();
+        let predicted: Vec<f64> = own.iter().enumerate().map(|(k, value)| value + strong(k)).collect();
+        let prediction = prediction_of(&predicted);
+        assert_eq!(prediction.lines.len(), 1);
+        let measured = measurement(RATE, own, &json!({ "speed_rpm": 3000 }));
+        let answer = MeasuredAnswer::of(&measured, &prediction, &|| false).unwrap().unwrap();
+        let found: Vec<f64> = answer.lines.iter().map(|line| line.predicted_order.round()).collect();
+        assert!([1.0, 4.0, 16.0, 100.0].iter().all(|order| found.contains(order)), "{answer:?}");
+        assert!(answer.unmatched.measured.is_empty() && answer.unmatched.predicted.len() == 1, "{answer:?}");
     }
 
     /// Another rate changes levels by less than 0.01 dB.

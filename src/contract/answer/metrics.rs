@@ -16,9 +16,10 @@ use crate::contract::job::outputs::EnvelopeName;
 use crate::contract::job::simulation::Simulation;
 use crate::contract::json::units::RPM;
 use raceway_core::numerics::spectrum::EnvelopeKind;
+use raceway_core::physics::lubricant::LubricantKind;
 use raceway_core::simulation::error::report::AccuracyReport;
 use raceway_core::simulation::input::channel::{Axis, Channel, Motion};
-use raceway_core::simulation::input::scene::Scene;
+use raceway_core::simulation::input::scene::{Scene, Term, TermChoice};
 use raceway_core::simulation::recording::bands::BandMetrics;
 use raceway_core::simulation::result::lines::Line;
 use raceway_core::simulation::result::metrics::{CageMetrics, ChannelMetrics, RacewayContactMetrics, Summary};
@@ -296,8 +297,16 @@ impl Metrics {
         let lines = |of: &[(Channel, Line)]| {
             outputs.vibration.then(|| of.iter().map(|(channel, line)| line_answer(channel.to_string(), line)).collect())
         };
+        let headline = outputs.vibration.then(|| headline(summary)).flatten();
+        let of_result = messages::of_result(&summary.accuracy.warnings, &summary.solver);
+        let of_bands = headline.map(|(_, bands)| {
+            let own = summary.lines.iter().filter(|(channel, _)| *channel == HEADLINE).map(|(_, line)| line);
+            messages::of_bands(&HEADLINE.to_string(), bands, &own.collect::<Vec<_>>())
+        });
+        let of_bands = of_bands.into_iter().flatten();
+        let of_friction = adds_forces_for_friction(simulation).then(messages::friction_adds_forces).into_iter();
         Self {
-            headline: outputs.vibration.then(|| headline(summary, speed)).flatten(),
+            headline: headline.and_then(|(metrics, bands)| headline_answer(metrics, bands, speed)),
             channels,
             contacts: contacts(summary),
             kinematics: summary.cage.as_ref().map(kinematics),
@@ -315,7 +324,7 @@ impl Metrics {
             solver: SolverAnswer::of(&summary.solver, &summary.accuracy),
             accuracy: AccuracyAnswer::of(&summary.accuracy, outputs)
                 .with_slip_of(summary.cage.as_ref().and_then(|cage| cage.slip)),
-            messages: messages::of_result(&summary.accuracy.warnings, &summary.solver),
+            messages: of_bands.chain(of_friction).chain(of_result).collect(),
             left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
         }
     }
@@ -349,13 +358,25 @@ fn channel_answer(
     }
 }
 
-/// The headline of the acceleration along y.
-fn headline(summary: &Summary, speed_rpm: Option<f64>) -> Option<HeadlineAnswer> {
-    const CHANNEL: Channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
-    let (_, metrics) = summary.channels.iter().find(|(channel, _)| *channel == CHANNEL)?;
-    let of = metrics.bands.as_ref().filter(|_| summary.accuracy.unresolved.of(CHANNEL).is_none())?;
-    let bands = bands_of(of, CHANNEL, speed_rpm);
-    HeadlineAnswer::of(CHANNEL.to_string(), metrics.rms, metrics.peak, of, bands)
+/// The channel of the headline.
+const HEADLINE: Channel = Channel::Spindle(Axis::Y, Motion::Acceleration);
+
+/// Metrics and bands of the channel of the headline; `None` where it is not recorded, or not resolved.
+fn headline(summary: &Summary) -> Option<(&ChannelMetrics, &BandMetrics)> {
+    let (_, metrics) = summary.channels.iter().find(|(channel, _)| *channel == HEADLINE)?;
+    let bands = metrics.bands.as_ref().filter(|_| summary.accuracy.unresolved.of(HEADLINE).is_none())?;
+    Some((metrics, bands))
+}
+
+fn headline_answer(metrics: &ChannelMetrics, of: &BandMetrics, speed_rpm: Option<f64>) -> Option<HeadlineAnswer> {
+    HeadlineAnswer::of(HEADLINE.to_string(), metrics.rms, metrics.peak, of, bands_of(of, HEADLINE, speed_rpm))
+}
+
+/// Whether hydrodynamic forces act in grease because a friction moment is asked for.
+fn adds_forces_for_friction(simulation: &Simulation) -> bool {
+    let (scene, outputs) = (simulation.scene(), &simulation.settings.outputs);
+    let is_open = scene.terms.get(Term::Hydrodynamics) == TermChoice::Auto;
+    outputs.friction && is_open && scene.lubricant.kind == LubricantKind::Grease && scene.lubricant.viscosity > 0.0
 }
 
 fn bands_of(metrics: &BandMetrics, channel: Channel, speed_rpm: Option<f64>) -> Vec<BandAnswer> {

@@ -10,6 +10,7 @@ pub mod signals;
 pub mod spectrum_view;
 pub mod views;
 
+mod arrangement;
 pub mod machine;
 pub mod machine_plan;
 pub mod measured;

@@ -4,31 +4,41 @@ use std::fmt::Write;
 
 use super::rotor_model::{ModelSupportAnswer, RotorModelAnswer};
 
-/// Versions of ROSS, which name the argument of tabulated coefficients differently.
+/// Versions of ROSS, which name the speeds differently.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RossVersion {
     /// 2.x: `frequency`.
     Two,
-    /// 3.x: `speed`.
+    /// 3.x: `speed` of coefficients, `speed_range` of a response.
     Three,
 }
 
 impl RossVersion {
-    fn argument(self) -> &'static str {
+    /// Argument for the speeds of tabulated coefficients.
+    fn of_table(self) -> &'static str {
         match self {
             Self::Two => "frequency",
             Self::Three => "speed",
         }
     }
+
+    /// Argument for the speeds of a response to unbalance.
+    fn of_response(self) -> &'static str {
+        match self {
+            Self::Two => "frequency",
+            Self::Three => "speed_range",
+        }
+    }
 }
 
-/// Axes of ROSS over displacements here: its x, y and z are y, z and x.
-const AXES: [(char, usize); 3] = [('x', 1), ('y', 2), ('z', 0)];
+/// Coefficients of a bearing of ROSS over displacements here: its x, y and z are y, z and x. It couples no radial motion with the axial one.
+const ENTRIES: [(&str, [usize; 2]); 5] =
+    [("xx", [1, 1]), ("xy", [1, 2]), ("yx", [2, 1]), ("yy", [2, 2]), ("zz", [0, 0])];
 
 /// The script. It builds `rotor`, and prints its results as JSON when it is run.
 ///
-/// ROSS turns about its z axis, so that (x, y, z) there are (y, z, x) here; both are right-handed. Its bearing element has no tilt:
-/// entries of tilt are left out, and the script says so.
+/// ROSS turns about its z axis, so that (x, y, z) there are (y, z, x) here; both are right-handed. Its bearing element has no tilt, and no coupling of
+/// radial and axial motion: those entries are left out, and the script says so.
 pub fn script(model: &RotorModelAnswer, version: RossVersion) -> String {
     let mut text = String::new();
     // Writing to a string does not fail.
@@ -53,7 +63,7 @@ fn write_script(text: &mut String, model: &RotorModelAnswer, version: RossVersio
         model.density_kg_m3, model.elastic_modulus_pa
     )?;
     writeln!(text, "speeds = np.array({:?})  # rad/s", model.speeds_rad_s)?;
-    writeln!(text, "table = np.linspace(0.0, max(1.0, speeds[-1]), 4)  # speeds of the coefficients\n")?;
+    writeln!(text, "table = np.linspace(0.0, max(1.0, speeds[-1]), {FEWEST_SPEEDS})  # speeds of the coefficients\n")?;
     writeln!(text, "shaft = [")?;
     for (node, element) in model.elements.iter().enumerate() {
         writeln!(
@@ -83,10 +93,11 @@ fn write_script(text: &mut String, model: &RotorModelAnswer, version: RossVersio
     writeln!(
         text,
         "    return rotor.run_unbalance_response(\n        node=[{}],\n        unbalance_magnitude=[{}],\n        unbalance_phase=[{}],\n        \
-         frequency=speeds,\n    )\n\n",
+         {}=speeds,\n    )\n\n",
         of(&|plane| plane.node.to_string()),
         of(&|plane| format!("{:?}", plane.unbalance_kg_m)),
         of(&|plane| format!("{:?}", plane.phase_rad)),
+        version.of_response(),
     )?;
     writeln!(text, "if __name__ == \"__main__\":")?;
     writeln!(text, "    modal = [rotor.run_modal(speed=speed, num_modes={}) for speed in speeds]", 2 * MODES)?;
@@ -99,49 +110,53 @@ fn write_script(text: &mut String, model: &RotorModelAnswer, version: RossVersio
 /// Natural frequencies that the script asks for at each speed.
 const MODES: usize = 12;
 
-/// Fewest speeds between which ROSS interpolates.
-const FEWEST_SPEEDS: usize = 4;
+/// Fewest speeds between which ROSS interpolates without a warning.
+const FEWEST_SPEEDS: usize = 5;
 
 /// Arguments of a bearing: its coefficients as a table over speed, a constant where there are too few speeds for one.
 fn coefficients(support: &ModelSupportAnswer, version: RossVersion) -> String {
     let is_table = support.k.len() >= FEWEST_SPEEDS;
     let mut text = String::new();
     for (name, matrices) in [("k", &support.k), ("c", &support.c)] {
-        for (row, of_row) in AXES {
-            for (column, of_column) in AXES {
-                let values: Vec<f64> = matrices.iter().map(|matrix| matrix[of_row][of_column]).collect();
-                // Without kyy ROSS takes kxx in its place.
-                if row != column && values.iter().all(|value| *value == 0.0) {
-                    continue;
-                }
-                text += &match is_table {
-                    true => format!(", {name}{row}{column}={values:?}"),
-                    false => {
-                        format!(", {name}{row}{column}=np.full({FEWEST_SPEEDS}, {:?})", values.last().unwrap_or(&0.0))
-                    }
-                };
+        for (entry, [row, column]) in ENTRIES {
+            let values: Vec<f64> = matrices.iter().map(|matrix| matrix[row][column]).collect();
+            // Without kyy ROSS takes kxx in its place.
+            if row != column && values.iter().all(|value| *value == 0.0) {
+                continue;
             }
+            text += &match is_table {
+                true => format!(", {name}{entry}={values:?}"),
+                false => format!(", {name}{entry}=np.full({FEWEST_SPEEDS}, {:?})", values.last().unwrap_or(&0.0)),
+            };
         }
     }
-    text + &format!(", {}={}", version.argument(), if is_table { "speeds" } else { "table" })
+    text + &format!(", {}={}", version.of_table(), if is_table { "speeds" } else { "table" })
 }
 
 /// What the script leaves out, in sentences.
 fn dropped(model: &RotorModelAnswer) -> Option<String> {
-    let tilts = |support: &&ModelSupportAnswer| {
-        let places = (0..5).flat_map(|row| (0..5).map(move |column| (row, column)));
-        let mut tilts = places.filter(|(row, column)| *row > 2 || *column > 2);
-        let of = |matrices: &[[[f64; 5]; 5]], row: usize, column: usize| {
-            matrices.iter().any(|matrix: &[[f64; 5]; 5]| matrix[row][column] != 0.0)
+    let nodes_with = |is_dropped: fn(usize, usize) -> bool| -> Option<String> {
+        let has_any = |support: &&ModelSupportAnswer| {
+            let places = (0..5).flat_map(|row| (0..5).map(move |column| (row, column)));
+            let mut dropped = places.filter(|(row, column)| is_dropped(*row, *column));
+            let of = |matrices: &[[[f64; 5]; 5]], row: usize, column: usize| {
+                matrices.iter().any(|matrix: &[[f64; 5]; 5]| matrix[row][column] != 0.0)
+            };
+            dropped.any(|(row, column)| of(&support.k, row, column) || of(&support.c, row, column))
         };
-        tilts.any(|(row, column)| of(&support.k, row, column) || of(&support.c, row, column))
+        let nodes: Vec<String> =
+            model.supports.iter().filter(has_any).map(|support| support.node.to_string()).collect();
+        (!nodes.is_empty()).then(|| nodes.join(", "))
     };
-    let nodes: Vec<String> = model.supports.iter().filter(tilts).map(|support| support.node.to_string()).collect();
-    let of_tilt = (!nodes.is_empty()).then(|| {
+    let of_tilt = nodes_with(|row, column| row > 2 || column > 2).map(|nodes| {
         format!(
-            "Dropped: entries of tilt of the supports at node {}, which BearingElement does not take. The result of the job\nhas \
-             them in `model.supports`.",
-            nodes.join(", ")
+            "Dropped: entries of tilt of the supports at node {nodes}, which BearingElement does not take. The result of the job\nhas \
+             them in `model.supports`."
+        )
+    });
+    let of_coupling = nodes_with(|row, column| row != column && row.min(column) == 0 && row.max(column) < 3).map(|nodes| {
+        format!(
+            "Dropped: coupling of radial and axial motion of the supports at node {nodes}, which BearingElement does not take."
         )
     });
     let of_shaft = (model.damping_ratio > 0.0).then(|| {
@@ -154,6 +169,6 @@ fn dropped(model: &RotorModelAnswer) -> Option<String> {
     let of_housing = model.leaves_out_housing.then(|| {
         "Dropped: the housing and the seats of outer rings. Supports and bearings stand on the ground here.".to_owned()
     });
-    let sentences: Vec<String> = of_housing.into_iter().chain(of_tilt).chain(of_shaft).collect();
+    let sentences: Vec<String> = of_housing.into_iter().chain(of_tilt).chain(of_coupling).chain(of_shaft).collect();
     (!sentences.is_empty()).then(|| sentences.join("\n"))
 }

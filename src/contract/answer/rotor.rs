@@ -9,6 +9,7 @@ use raceway_core::rotor::result::{
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::arrangement::{ArrangementAnswer, arrangements};
 use super::failure::{DID_NOT_CONVERGE, RunFailure};
 use super::messages::{self, MessageAnswer};
 use super::rotor_model::RotorModelAnswer;
@@ -53,6 +54,9 @@ pub struct RotorAnswer {
     /// The bearings at the operating point; absent without bearings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bearings: Vec<RotorBearingAnswer>,
+    /// How neighbouring bearings face each other, along the shaft; absent with fewer than two bearings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub arrangements: Vec<ArrangementAnswer>,
     /// Static displacement of the nodes under weight and loads.
     #[serde(rename = "static")]
     pub at_rest: DeflectionAnswer,
@@ -94,7 +98,7 @@ pub enum WhirlName {
 pub struct OperatingAnswer {
     /// [r/min]
     pub speed_rpm: f64,
-    /// Whether every motion decays.
+    /// Whether every motion decays by this analysis. Tractions of the balls, which can drive a whirl, are left out.
     pub is_stable: bool,
     /// Largest growth rate of a motion, oscillating or not [1/s]; negative: the slowest decay.
     pub growth_rate_per_s: f64,
@@ -319,6 +323,7 @@ fn answer(job: &RotorJob, result: &RotorResult, model: RotorModelAnswer) -> Roto
         bodies: bodies(job, result),
         sensors: sensors(job, result),
         bearings: bearings(job, result),
+        arrangements: arrangements(&job.input.scene),
         at_rest: DeflectionAnswer { x_um: um(0), y_um: um(1), z_um: um(2) },
         messages: messages(job, result),
         model,

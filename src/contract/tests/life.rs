@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::contract::answer::life::LifeAnswer;
+use crate::contract::answer::messages::MessageCode;
 use crate::contract::{Outcome, Refusal, execute, parse_job, parse_scene_request, resolve_answer};
 use raceway_core::simulation::input::control::Control;
 
@@ -148,16 +149,28 @@ fn a_run_states_life_and_torque() {
 /// The film's resistance is most of the torque in grease, too. A vibration alone leaves it out, as the article does.
 #[test]
 fn grease_has_the_torque_of_its_film() {
-    let omitted = |metrics: Value| {
+    let job = |metrics: Value| {
         let mut request = scene(
             json!({}),
             3000.0,
             json!({"lubricant": {"kind": "grease", "viscosity_grade": "iso-vg-100", "temperature_c": 60}}),
         );
-        merge(&mut request, json!({"kind": "simulation", "outputs": {"metrics": metrics, "spectra": []}}));
-        let job = parse_job(request.to_string().as_bytes()).unwrap();
+        let short = json!({"kind": "simulation", "duration_s": 0.02, "settle_s": 0, "outputs": {"metrics": metrics, "spectra": []}});
+        merge(&mut request, short);
+        parse_job(request.to_string().as_bytes()).unwrap()
+    };
+    let omitted = |metrics: Value| {
+        let job = job(metrics);
         let answer = crate::contract::resolve_answer(&job).unwrap();
         answer.left_out.iter().any(|term| term.term == "hydrodynamics")
     };
     assert!(omitted(json!(["vibration"])) && !omitted(json!(["vibration", "friction"])));
+    let says_so = |metrics: Value| {
+        let job = job(metrics);
+        let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control::until(&|| false)) else {
+            panic!("the run failed")
+        };
+        outcome.metrics.messages.iter().any(|message| message.code == MessageCode::FrictionAddsForces)
+    };
+    assert!(says_so(json!(["vibration", "friction"])) && !says_so(json!(["vibration"])));
 }

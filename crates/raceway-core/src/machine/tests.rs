@@ -121,27 +121,37 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
             &mut vec![0.0; part.len()],
             Some(&mut loads),
         );
-        let mut sum = loads.elastic;
-        for index in 0..m.layout.balls {
+        let heights = (0..m.layout.balls).map(|index| {
             let ball = m.layout.ball(part, index);
-            let radius = m.pitch_radius + ball.radial;
-            let along = radius * (m.orbit_ratio * speed + ball.arc_velocity / m.pitch_radius);
-            let velocity = [ball.axial_velocity, ball.radial_velocity, along];
-            let spin = [ball.spin[0] + m.spin_ratio * speed, ball.spin[1], ball.spin[2]];
             let azimuth = m.start_azimuth(index) + m.orbit_ratio * speed * time + ball.arc / m.pitch_radius;
-            sum += 0.5 * m.ball_mass * dot(velocity, velocity) + 0.5 * m.ball_inertia * dot(spin, spin);
-            sum -= m.ball_mass * m.gravity * radius * azimuth.cos();
-        }
-        if !m.layout.cage {
-            return sum;
-        }
-        let cage = m.layout.cage(part);
-        let spin = m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius;
-        sum += 0.5 * m.cage.mass * dot(cage.velocity, cage.velocity) + 0.5 * m.cage.axial_inertia * spin * spin;
-        sum += 0.5 * m.cage.transverse_inertia * (cage.tilt_rate[0].powi(2) + cage.tilt_rate[1].powi(2));
-        sum - m.cage.mass * m.gravity * cage.centre[1]
+            (m.pitch_radius + ball.radial) * azimuth.cos()
+        });
+        let of_cage = if m.layout.cage { m.cage.mass * m.layout.cage(part).centre[1] } else { 0.0 };
+        let weight = m.gravity * (m.ball_mass * heights.sum::<f64>() + of_cage);
+        loads.elastic + kinetic_energy(m, part) - weight
     };
     energy_of_frame(&dynamics.frame, place, velocity) + parts.map(of_part).sum::<f64>()
+}
+
+/// Kinetic energy of balls and cage [J].
+fn kinetic_energy(m: &Mechanism, part: &[f64]) -> f64 {
+    let speed = m.rotation.inner.at(0.0).1;
+    let of_ball = |index: usize| {
+        let ball = m.layout.ball(part, index);
+        let along = (m.pitch_radius + ball.radial) * (m.orbit_ratio * speed + ball.arc_velocity / m.pitch_radius);
+        let velocity = [ball.axial_velocity, ball.radial_velocity, along];
+        let spin = [ball.spin[0] + m.spin_ratio * speed, ball.spin[1], ball.spin[2]];
+        0.5 * m.ball_mass * dot(velocity, velocity) + 0.5 * m.ball_inertia * dot(spin, spin)
+    };
+    let of_balls: f64 = (0..m.layout.balls).map(of_ball).sum();
+    if !m.layout.cage {
+        return of_balls;
+    }
+    let cage = m.layout.cage(part);
+    let spin = m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius;
+    let tilting = cage.tilt_rate[0].powi(2) + cage.tilt_rate[1].powi(2);
+    let turning = m.cage.axial_inertia * spin * spin + m.cage.transverse_inertia * tilting;
+    of_balls + 0.5 * (m.cage.mass * dot(cage.velocity, cage.velocity) + turning)
 }
 
 /// Energy of shaft and housing [J], constant loads included; moments of a turning shaft do no work.

@@ -22,12 +22,16 @@ pub(super) fn warnings(
     let of_steps = uncertain(result, allowed_db, last).into_iter().chain(partly_verified(machine, result));
     let of_steps = of_steps.chain(result.beyond(allowed_db).map(MachineWarning::ModelNotConfirmed));
     let start = start_transient(machine, result);
-    let trends = if is_steady(machine, result.settle) { not_stationary(result) } else { Vec::new() };
+    let is_steady = is_steady(machine, result.settle);
+    let trends = if is_steady { not_stationary(result) } else { Vec::new() };
+    // Free motion of the start has the same lines.
+    let unnamed = if is_steady && start.is_none() { unnamed_line(result) } else { None };
     let bearings = result.bearings.iter().enumerate();
     let overloaded = bearings.filter_map(|(index, metrics)| overloaded(dynamics, index, metrics));
     of_steps
         .chain(start)
         .chain(trends)
+        .chain(unnamed)
         .chain(overloaded)
         .chain(open_sides(dynamics))
         .chain(of_surfaces(dynamics))
@@ -99,6 +103,15 @@ fn not_stationary(result: &MachineResult) -> Vec<MachineWarning> {
         Some(MachineWarning::NotStationary { channel: *channel, change_db: metrics.trend_db? })
     };
     result.channels.iter().filter_map(change).collect()
+}
+
+/// The strongest line of the first acceleration whose strongest line has no label.
+fn unnamed_line(result: &MachineResult) -> Option<MachineWarning> {
+    result.spectra.iter().find_map(|spectra| {
+        let line = spectra.lines.first().filter(|line| line.label.is_empty())?;
+        let (frequency, amplitude) = (line.frequency, line.amplitude);
+        Some(MachineWarning::UnnamedLine { channel: spectra.channel, frequency, amplitude })
+    })
 }
 
 /// The largest pressure of a bearing over the recorded time, if it is too large.

@@ -1,7 +1,7 @@
 //! Lines of a measured spectrum, and their partners among predicted lines.
 
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
-use crate::simulation::result::lines::{floor, line_bins};
+use crate::simulation::result::lines::{floor, line_bins, peak_bins};
 
 /// Largest shift of a line against its prediction [-]. Slip of the cage, an unknown contact angle and an error of the stated speed move lines by
 /// up to 1 % (docs/how-to/compare-a-measurement.md).
@@ -28,12 +28,21 @@ pub struct PredictedLine {
 
 /// Lines of a spectrum up to `highest` [Hz], strongest first, interpolated between bins.
 pub fn lines_of(spectrum: &Spectrum, highest: f64) -> Vec<MeasuredLine> {
+    interpolated(spectrum, line_bins(spectrum, highest))
+}
+
+/// Lines of a spectrum and all weaker ones above its floor, however strong the strongest is.
+pub fn peaks_of(spectrum: &Spectrum, highest: f64) -> Vec<MeasuredLine> {
+    interpolated(spectrum, peak_bins(spectrum, highest))
+}
+
+fn interpolated(spectrum: &Spectrum, bins: Vec<usize>) -> Vec<MeasuredLine> {
     let line = |bin: usize| {
         let (frequency, amplitude) = interpolated_peak(spectrum, bin);
         let floor = floor(&spectrum.amplitude, bin);
         MeasuredLine { frequency, amplitude, over_floor: (floor > 0.0).then(|| amplitude / floor) }
     };
-    line_bins(spectrum, highest).into_iter().map(line).collect()
+    bins.into_iter().map(line).collect()
 }
 
 /// Number of the measured line that belongs to each predicted one. It is the strongest one within 2 % of its order and within half the distance

@@ -82,6 +82,16 @@ pub enum Severity {
 /// `open-side`: An angular-contact bearing on a shaft carries thrust over its open side, where real rings come apart. Turn it round, or raise the
 /// preload.
 ///
+/// `unnamed-line`: No order, ball passage or load makes the strongest line of a machine, which may whirl by itself. Raise the preload.
+///
+/// `velocity-not-resolved`: The record is too short for the velocity from 10 to 1000 Hz. Set `duration_s` to 0.2 or more.
+///
+/// `power-beyond-bands`: The power of the bands is not that of the signal. Increase `duration_s`.
+///
+/// `line-at-edge`: A line lies at the edge of two bands, so that both have a share of it. Increase `duration_s`, or move the edge.
+///
+/// `friction-adds-forces`: In grease the friction moment needs hydrodynamic forces, which a run without it leaves out. Its vibration differs.
+///
 /// `failed-samples`: More than 5 % of the sampled points have no value of the metric. Percentiles may leave out the worst of them.
 ///
 /// `spread-not-resolved`: The integration error exceeds half of the spread. Tighten the tolerance or increase `duration_s`.
@@ -120,6 +130,11 @@ pub enum MessageCode {
     MergedCageLines,
     Overloaded,
     OpenSide,
+    UnnamedLine,
+    VelocityNotResolved,
+    PowerBeyondBands,
+    LineAtEdge,
+    FrictionAddsForces,
     FailedSamples,
     SpreadNotResolved,
     RankingNotResolved,

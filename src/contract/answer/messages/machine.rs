@@ -49,6 +49,21 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             let values = vec![("channel", json!(channel)), ("change_db", json!(significant(*change_db, 3)))];
             (MessageCode::NotStationary, text, values)
         }
+        MachineWarning::UnnamedLine { channel, frequency, amplitude } => {
+            let channel = channel.named(machine).to_string();
+            let [frequency_hz, amplitude] = [*frequency, *amplitude].map(|value| significant(value, 4));
+            let text = format!(
+                "No order of the shaft, ball passage or load makes the strongest line of {channel}, {amplitude} m/s² at {frequency_hz} Hz. The shaft \
+                 may whirl by itself: tractions of the balls can drive it, which the linear analysis and `is_stable` leave out. More preload, or \
+                 bearings further apart, may end it."
+            );
+            let values = vec![
+                ("channel", json!(channel)),
+                ("frequency_hz", json!(frequency_hz)),
+                ("amplitude", json!(amplitude)),
+            ];
+            (MessageCode::UnnamedLine, text, values)
+        }
         MachineWarning::Uncertain { channel, error_db, allowed_db, step, last } => {
             let channel = channel.named(machine).to_string();
             let half = significant(0.5 * US.to_user(*step), 2);

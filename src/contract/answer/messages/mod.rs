@@ -6,9 +6,11 @@ use raceway_core::simulation::error::codes::Warning;
 use raceway_core::simulation::result::metrics::SolverReport;
 
 mod answer;
+mod bands;
 mod basis;
 mod bearing;
 mod candidates;
+mod friction;
 mod machine;
 mod omissions;
 pub mod spread;
@@ -17,10 +19,12 @@ mod words;
 
 use answer::message;
 pub use answer::{MessageAnswer, MessageCode, Severity};
+pub use bands::of_bands;
 pub use basis::{check, choice_text, how};
 pub use bearing::{open_side, overloaded};
 pub use candidates::of_not_eligible;
 use candidates::of_rejection;
+pub use friction::friction_adds_forces;
 pub use machine::of_machine;
 pub use omissions::omission;
 pub use warnings::of_warning;

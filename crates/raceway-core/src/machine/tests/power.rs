@@ -40,6 +40,12 @@ impl Powers {
         self.0.iter().fold(0.0, |most, (_, power)| f64::max(most, power.abs()))
     }
 
+    /// Power that changes no stored energy.
+    fn done(&self) -> f64 {
+        const STORED: [&str; 4] = ["inertia of balls", "inertia of cages", "inertia of the shaft", "bending"];
+        self.0.iter().filter(|(cause, _)| !STORED.contains(cause)).map(|(_, power)| power).sum()
+    }
+
     /// Sum of the magnitudes of a cause.
     fn of(&self, cause: &str) -> f64 {
         self.0.iter().filter(|(of, _)| *of == cause).map(|(_, power)| power.abs()).sum()
@@ -61,10 +67,11 @@ impl Moving {
     }
 }
 
-/// Adds the powers on a bearing, and of its drives, and the rates of its kinetic energies with the sign changed.
+/// Adds the powers on a bearing, and of its drives, at a time [s], and the rates of its kinetic energies with the sign changed.
 fn add_bearing(
     powers: &mut Powers,
     dynamics: &MachineDynamics,
+    time: f64,
     index: usize,
     (part, rates): (&[f64], &[f64]),
     (place, velocity): (&[f64], &[f64]),
@@ -73,8 +80,8 @@ fn add_bearing(
     let (m, rings) = (full.mechanism(), dynamics.rings(index, place, velocity));
     let ring = rings.inner;
     let mut contacts = Contacts::default();
-    full.rates_on_ring(0.0, part, rings, &mut vec![0.0; part.len()], Some(&mut contacts));
-    let ideal = m.rotations(0.0);
+    full.rates_on_ring(time, part, rings, &mut vec![0.0; part.len()], Some(&mut contacts));
+    let ideal = m.rotations(time);
     let [axis, _, z] = Tilt::new(ring.tilt[0], ring.tilt[1]).columns;
     let tilting = add([0.0, ring.tilt_rate[0], 0.0], scale(ring.tilt_rate[1], z));
     let inner =
@@ -144,13 +151,13 @@ fn add_bearing(
     }
 }
 
-/// Powers on the shaft but those of its bearings, and the rate of its energy with the sign changed.
-fn add_shaft(powers: &mut Powers, dynamics: &MachineDynamics, state: &[f64], rates: &[f64]) {
+/// Adds the powers on the shaft at a time [s] but those of its bearings, and the rate of its energy with the sign changed.
+fn add_shaft(powers: &mut Powers, dynamics: &MachineDynamics, time: f64, state: &[f64], rates: &[f64]) {
     let (frame, (place, velocity)) = (&dynamics.frame, dynamics.coordinates(state));
     let (_, acceleration) = dynamics.coordinates(rates);
-    let turning = dynamics.speed.at(0.0);
+    let turning = dynamics.speed.at(time);
     let mut inputs = vec![0.0; frame.inputs.ncols()];
-    frame.write_loads(0.0, turning, &mut inputs);
+    frame.write_loads(time, turning, &mut inputs);
     let [stiffness, damping] = frame.matrices(turning.1);
     let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
     let forces = [
@@ -162,6 +169,17 @@ fn add_shaft(powers: &mut Powers, dynamics: &MachineDynamics, state: &[f64], rat
     for (cause, forces) in forces {
         velocity.iter().zip(&forces).for_each(|(velocity, force)| powers.add(cause, velocity * force));
     }
+}
+
+/// All powers at a time [s], in a state with its rates.
+fn powers(dynamics: &MachineDynamics, time: f64, state: &[f64], rates: &[f64]) -> Powers {
+    let mut powers = Powers::default();
+    add_shaft(&mut powers, dynamics, time, state, rates);
+    let coordinates = dynamics.coordinates(state);
+    for (index, parts) in dynamics.parts(state).into_iter().zip(dynamics.parts(rates)).enumerate() {
+        add_bearing(&mut powers, dynamics, time, index, parts, coordinates);
+    }
+    powers
 }
 
 /// A state far from equilibrium: balls and cages are displaced by micrometres and move by tenths of a metre a second, the shaft bends, tilts and
@@ -221,12 +239,7 @@ fn powers_sum_to_the_rate_of_the_energy() {
         let state = far_from_rest(&start, &dynamics, seed);
         let mut rates = vec![0.0; state.len()];
         dynamics.derivative(0.0, &state, &mut rates);
-        let mut powers = Powers::default();
-        add_shaft(&mut powers, &dynamics, &state, &rates);
-        let coordinates = dynamics.coordinates(&state);
-        for (index, parts) in dynamics.parts(&state).into_iter().zip(dynamics.parts(&rates)).enumerate() {
-            add_bearing(&mut powers, &dynamics, index, parts, coordinates);
-        }
+        let powers = powers(&dynamics, 0.0, &state, &rates);
         let (off, largest) = (powers.total(), powers.largest());
         assert!(off.abs() < 1e-12 * largest, "state {seed}: {off:e} W of {largest:e} W");
         // Each cause matters in these states.
@@ -235,4 +248,55 @@ fn powers_sum_to_the_rate_of_the_energy() {
             assert!(powers.of(cause) > 1e6 * off.abs(), "state {seed}: {cause} {:e} W, {off:e}", powers.of(cause));
         }
     }
+}
+
+/// A machine's state, then the work done on it and that of its drives [J].
+struct WithWork<'a>(&'a MachineDynamics);
+
+impl OdeSystem for WithWork<'_> {
+    fn dimension(&self) -> usize {
+        self.0.dimension() + 2
+    }
+
+    fn derivative(&self, time: f64, state: &[f64], derivative: &mut [f64]) {
+        let (rates, works) = derivative.split_at_mut(self.0.dimension());
+        let state = &state[..rates.len()];
+        self.0.derivative(time, state, rates);
+        let powers = powers(self.0, time, state, rates);
+        works.copy_from_slice(&[powers.done(), powers.of("drives")]);
+    }
+}
+
+/// Energy of a turning machine [J] without the contacts and weights, which do work.
+fn energy_of_motion(dynamics: &MachineDynamics, state: &[f64]) -> f64 {
+    let (place, velocity) = dynamics.coordinates(state);
+    let [place, velocity] = [place, velocity].map(DVector::from_row_slice);
+    let bending = place.dot(&(&dynamics.frame.matrices(0.0)[0] * &place));
+    let parts = dynamics.parts(state).into_iter().zip(&dynamics.bearings);
+    let of_parts: f64 = parts.map(|(part, bearing)| kinetic_energy(bearing.dynamics.mechanism(), part)).sum();
+    of_parts + 0.5 * (velocity.dot(&velocity) + bending)
+}
+
+/// Over 0.1 s the energy of a flexible shaft on two bearings under every force changes by the work done: to 1e-9 of that of the drives. Steps are
+/// as short as stability asks for, so that a tighter tolerance changes nothing.
+#[test]
+fn energy_changes_by_the_work_done() {
+    let mut machine = motor_spindle();
+    for bearing in &mut machine.bearings {
+        for term in [Term::Drag, Term::Churning, Term::Hydrodynamics] {
+            bearing.scene.terms.set(term, TermChoice::On);
+        }
+    }
+    let (dynamics, start) = started(&machine);
+    let system = WithWork(&dynamics);
+    let start: Vec<f64> = start.into_iter().chain([0.0; 2]).collect();
+    let mut course =
+        Method::DormandPrince.start(&system, 0.0, &start, Tolerances::uniform(start.len(), 1e-5, 1e-10), None);
+    while course.time() < 0.1 {
+        course.step(0.1).unwrap();
+    }
+    let (state, works) = course.state().split_at(dynamics.dimension());
+    let gained = energy_of_motion(&dynamics, state) - energy_of_motion(&dynamics, &start[..state.len()]);
+    let left = (gained - works[0]).abs() / works[1];
+    assert!(left < 1e-9 && works[1] > 1.0 && gained.abs() > 1e-3, "{left:e} of {works:?} J, gained {gained:e} J");
 }

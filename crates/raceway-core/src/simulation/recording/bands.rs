@@ -30,6 +30,8 @@ pub struct Band {
 /// Velocity, bands and power of an acceleration, from its Hann spectra.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BandMetrics {
+    /// Frequency between two bins of the spectra [Hz].
+    pub resolution: f64,
     /// The bands that the windows resolve.
     pub bands: Vec<Band>,
     /// Root mean square of the velocity from 10 to 1000 Hz [m/s]; `None` where the windows do not resolve 10 Hz.
@@ -100,6 +102,7 @@ impl Bands {
         let edges = self.edges.windows(2).zip(&self.squares);
         let resolved = edges.filter(|(edges, _)| is_resolved(edges[0]));
         BandMetrics {
+            resolution: self.resolution,
             bands: resolved
                 .map(|(edges, [acceleration, velocity])| Band {
                     from: edges[0],

@@ -161,16 +161,22 @@ pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest
     lines
 }
 
-/// Bins of the lines of a spectrum up to `highest` [Hz], strongest first: local maxima above the local floor.
+/// Bins of the lines of a spectrum up to `highest` [Hz], strongest first: local maxima above the local floor and within 60 dB of the strongest.
 pub(crate) fn line_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
+    let mut bins = peak_bins(spectrum, highest);
+    let strongest = bins.first().map_or(0.0, |&bin| spectrum.amplitude[bin]);
+    bins.retain(|&bin| spectrum.amplitude[bin] > LEAST_SHARE * strongest);
+    bins
+}
+
+/// Bins of all local maxima above the local floor up to `highest` [Hz], strongest first.
+pub(crate) fn peak_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
     let amplitude = &spectrum.amplitude;
     // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
     let end = amplitude.len().saturating_sub(LOBE);
-    let in_band = || (LOBE..end).take_while(|&bin| bin as f64 * spectrum.resolution <= highest);
-    let strongest = in_band().map(|bin| amplitude[bin]).fold(0.0, f64::max);
-    let mut bins: Vec<usize> = in_band()
-        .filter(|&bin| amplitude[bin] > LEAST_SHARE * strongest && is_local_maximum(amplitude, bin))
-        .filter(|&bin| amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin))
+    let mut bins: Vec<usize> = (LOBE..end)
+        .take_while(|&bin| bin as f64 * spectrum.resolution <= highest)
+        .filter(|&bin| is_local_maximum(amplitude, bin) && amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin))
         .collect();
     bins.sort_by(|&a, &b| amplitude[b].total_cmp(&amplitude[a]));
     bins
