@@ -105,13 +105,12 @@ fn not_stationary(result: &MachineResult) -> Vec<MachineWarning> {
     result.channels.iter().filter_map(change).collect()
 }
 
-/// The strongest line of the first acceleration whose strongest line has no label.
+/// The strongest line of all accelerations, if it has no label.
 fn unnamed_line(result: &MachineResult) -> Option<MachineWarning> {
-    result.spectra.iter().find_map(|spectra| {
-        let line = spectra.lines.first().filter(|line| line.label.is_empty())?;
-        let (frequency, amplitude) = (line.frequency, line.amplitude);
-        Some(MachineWarning::UnnamedLine { channel: spectra.channel, frequency, amplitude })
-    })
+    let strongest = result.spectra.iter().filter_map(|spectra| Some((spectra.channel, spectra.lines.first()?)));
+    let (channel, line) = strongest.max_by(|one, other| one.1.amplitude.total_cmp(&other.1.amplitude))?;
+    let warning = MachineWarning::UnnamedLine { channel, frequency: line.frequency, amplitude: line.amplitude };
+    line.label.is_empty().then_some(warning)
 }
 
 /// The largest pressure of a bearing over the recorded time, if it is too large.
