@@ -83,6 +83,11 @@ SCENES = {
     "eight bearings": changed(BAR, bearings=EIGHT),
     "shock of 490 N on a shaft in a body of 0.5 kg": changed(on_body(0.5), operation__loads=[SHOCK]),
     "unbalance of 2 kg mm": changed(BAR, shaft__unbalances__0__unbalance_g_mm=2000),
+    # Both have 445 Hz at this speed.
+    "axial and forward mode that cross": changed(
+        BAR, shaft__axial="free", shaft__discs__0={"at_mm": 290, "mass_kg": 3, "transverse_inertia_kg_m2": 6e-3, "axial_inertia_kg_m2": 1.1e-2},
+        shaft__unbalances__0__at_mm=290, preloads=[{"between": ["A", "B"], "force_n": 200}], operation__radial_load_y_n=0,
+        operation__speed_rpm=7500),
 }
 
 

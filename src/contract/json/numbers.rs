@@ -30,7 +30,8 @@ pub fn range(lowest: f64, highest: f64, exclusive: bool, unit: &str) -> String {
 
 /// A number in at most nine significant digits, without the error of a unit conversion.
 pub fn short(number: f64) -> String {
-    let rounded = significant(number, 9);
+    // A negative zero is a zero.
+    let rounded = significant(number, 9) + 0.0;
     let size = rounded.abs();
     if size == 0.0 || (1e-4..1e9).contains(&size) { format!("{rounded}") } else { format!("{rounded:e}") }
 }

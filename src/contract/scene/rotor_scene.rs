@@ -140,6 +140,13 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
             defaults.refuse(format!("/scene/{field}"), "not supported yet with `shaft`");
         }
     }
+    let bearings = scene.get_mut("bearings").and_then(Value::as_array_mut);
+    for (index, bearing) in bearings.into_iter().flatten().enumerate() {
+        let cage = bearing.pointer_mut("/bearing/cage").and_then(Value::as_object_mut);
+        if cage.is_some_and(|cage| cage.remove("flexibility").is_some()) {
+            defaults.refuse(format!("/scene/bearings/{index}/bearing/cage/flexibility"), "not supported yet");
+        }
+    }
     for field in OF_BEARINGS {
         if scene.remove(field).is_some() {
             defaults.refuse(format!("/scene/{field}"), format!("give it in each item of `bearings`, as `{field}`"));

@@ -108,6 +108,20 @@ fn bearings_without_a_shaft_hold_a_rigid_spindle() {
     }
 }
 
+/// Cage bending, heat and fits are described, and come later.
+#[test]
+fn later_fields_are_named() {
+    let mut job = machine("machine", json!({}));
+    job["scene"]["thermal"] = json!({});
+    job["scene"]["fits"] = json!({});
+    job["scene"]["bearings"][1]["bearing"] = json!({ "preset": "6205", "cage": { "flexibility": { "harmonics": 3 } } });
+    let errors = parsed(&job).unwrap_err();
+    for pointer in ["/scene/thermal", "/scene/fits", "/scene/bearings/1/bearing/cage/flexibility"] {
+        assert!(errors.iter().any(|(at, text)| at == pointer && text.contains("not supported yet")), "{errors:?}");
+    }
+    assert_eq!(errors.len(), 3, "{errors:?}");
+}
+
 #[test]
 fn wrong_spindles_are_named() {
     let errors = |spindle: Value| parsed(&machine("machine", spindle)).unwrap_err();

@@ -13,7 +13,7 @@ pub enum MachineWarning {
     StartTransient { time_constant: f64, settle: f64, required: f64, constant_speed: bool },
     /// A level rises or falls throughout the recorded time [dB].
     NotStationary { channel: MachineChannel, change_db: f64 },
-    /// The strongest line of all accelerations has no label: no order, ball passage or load makes it. Its frequency [Hz] and amplitude [m/s²].
+    /// The strongest line of all accelerations has no label: no order, ball passage or load makes it. Surfaces are ideal. Its frequency [Hz] and amplitude [m/s²].
     UnnamedLine { channel: MachineChannel, frequency: f64, amplitude: f64 },
     /// Half steps still change a level by more than is allowed [dB].
     Uncertain { channel: MachineChannel, error_db: f64, allowed_db: f64, step: f64, last: LastStep },

@@ -3,7 +3,7 @@
 use super::channel::MachineChannel;
 use super::codes::{LastStep, LaterChange, MachineWarning};
 use super::equations::MachineDynamics;
-use super::input::Machine;
+use super::input::{Machine, MachineBearing};
 use super::result::{BearingMetrics, MachineResult, SignalMetrics};
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
@@ -24,8 +24,10 @@ pub(super) fn warnings(
     let start = start_transient(machine, result);
     let is_steady = is_steady(machine, result.settle);
     let trends = if is_steady { not_stationary(result) } else { Vec::new() };
-    // Free motion of the start has the same lines.
-    let unnamed = if is_steady && start.is_none() { unnamed_line(result) } else { None };
+    // Free motion of the start has the same lines, and uneven surfaces have more lines than have labels.
+    let is_known = |bearing: &MachineBearing| bearing.scene.surfaces.are_ideal() && !bearing.scene.has_unequal_balls();
+    let can_tell = is_steady && start.is_none() && machine.bearings.iter().all(is_known);
+    let unnamed = if can_tell { unnamed_line(result) } else { None };
     let bearings = result.bearings.iter().enumerate();
     let overloaded = bearings.filter_map(|(index, metrics)| overloaded(dynamics, index, metrics));
     of_steps

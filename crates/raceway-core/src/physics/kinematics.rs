@@ -225,6 +225,7 @@ fn along_groove((axial, radial): SpinAxis, (sine, cosine): (f64, f64)) -> f64 {
 mod tests {
     use super::*;
     use crate::physics::examples::article_bearing;
+    use crate::physics::presets;
 
     /// Article's bearing at 50 000 r/min: f_r 833.3, FTF 327.6, BPFO 2293.4, BPFI 3539.9, BSF 1860.8 Hz, hand
     /// calculation to the digit printed.
@@ -277,6 +278,15 @@ mod tests {
         assert!((one.cage + other.cage - 100.0).abs() < 1e-10);
     }
 
+    /// Turns of a ball in a turn of the spindle, and strikes of a defect on it: 2.35672 and 4.71344 for a 6205.
+    #[test]
+    fn a_ball_strikes_twice_a_turn() {
+        let preset = presets::bearing("6205").unwrap();
+        let bearing = Bearing::new(preset.defaults.parameters(&preset.dimensions)).unwrap();
+        let spin = ideal_frequencies(&bearing, TAU).ball_spin;
+        assert!((spin - 2.35672).abs() < 5e-6 && (2.0 * spin - 4.71344).abs() < 1e-5, "{spin}");
+    }
+
     fn ball(inner: f64, outer: f64) -> LoadedBall {
         let angle = |degrees: f64| degrees.to_radians().sin_cos();
         LoadedBall {
@@ -297,6 +307,8 @@ mod tests {
         let unequal = ball(30.0, 10.0);
         let controls =
             [unequal.outer_control(), unequal.inner_control()].map(|spin| unequal.orbit_ratio(spin).unwrap());
+        let mean = 0.5 * (1.0 - 0.2 * 20_f64.to_radians().cos());
+        assert!((mean - 0.4060).abs() < 5e-5);
         assert!((controls[0] - 0.4263).abs() < 5e-5 && (controls[1] - 0.3829).abs() < 5e-5, "{controls:?}");
         assert_eq!(unequal.orbit_ratio((0.0, 0.0)), None, "a ball without spin does not roll");
     }

@@ -7,7 +7,9 @@ use super::shaft::{Faces, Mounted, RigidShaft, Spring};
 use super::{Matrix, Pose, RingBearing, Wrench};
 use crate::physics::bearing::{Bearing, BearingKind, BearingParameters, Fit, PerRaceway};
 use crate::physics::contact::damping::DampingFactor;
+use crate::physics::kinematics::LoadedBall;
 use crate::physics::material::{GCR15, Material};
+use crate::physics::presets;
 
 const ALL: [bool; 5] = [true; 5];
 const STEEL: Material = Material { elastic_modulus: 208e9, poisson_ratio: 0.3, density: 7810.0 };
@@ -290,6 +292,36 @@ fn damping_is_that_of_two_contacts_in_series() {
     assert!(near(&slow.damping, &c, 1e-5) && near(&slow.stiffness, &state.stiffness.mean, 1e-5));
     let fast = state.at_frequency(&damping, 1.3e5);
     assert!(!near(&fast.stiffness, &state.stiffness.mean, 0.1));
+}
+
+/// A 6205 at 3000 r/min under thrust: contact angles [°], and the cage speed [Hz] and outer ball-pass frequency [Hz] of rolling at them, from inner to
+/// outer control. A calculation with exact Hertz contacts and centrifugal force.
+#[test]
+fn a_6205_under_thrust_rolls_at_its_loaded_angles() {
+    let preset = presets::bearing("6205").unwrap();
+    let parameters = preset.defaults.parameters(&preset.dimensions);
+    let ball_radius = 0.5 * parameters.ball_diameter;
+    let bearing = RingBearing::new(&Bearing::new(parameters).unwrap());
+    for (thrust, angles, cage, pass) in [
+        (50.0, [11.88, 11.61], [20.019, 20.024], [180.17, 180.22]),
+        (200.0, [13.51, 13.42], [20.054, 20.056], [180.49, 180.50]),
+        (1000.0, [17.16, 17.13], [20.141, 20.141], [181.27, 181.27]),
+        (3000.0, [21.07, 21.06], [20.255, 20.255], [182.29, 182.29]),
+    ] {
+        let state = under(&bearing, thrust, 3000.0 * RPM);
+        let found = state.angles();
+        for (found, expected) in found.iter().zip(angles) {
+            assert!((found.to_degrees() - expected).abs() < 0.02, "{thrust} N: {} for {expected}°", found.to_degrees());
+        }
+        let orbit_radius = bearing.pitch_radius() + state.balls()[0][1];
+        let angle = PerRaceway { inner: found[0].sin_cos(), outer: found[1].sin_cos() };
+        let ball = LoadedBall { orbit_radius, ball_radius, angle };
+        for (k, axis) in [ball.inner_control(), ball.outer_control()].into_iter().enumerate() {
+            let hertz = 50.0 * ball.orbit_ratio(axis).unwrap();
+            assert!((hertz - cage[k]).abs() < 1e-3, "{thrust} N: {hertz} for {} Hz", cage[k]);
+            assert!((9.0 * hertz - pass[k]).abs() < 1e-2, "{thrust} N: {} for {} Hz", 9.0 * hertz, pass[k]);
+        }
+    }
 }
 
 /// Seven balls under 1 kN along and across the axis, free to tilt, one ball below the load: displacements and stiffness of an exact calculation
