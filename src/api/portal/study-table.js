@@ -92,12 +92,16 @@ export class StudyTable {
   #text({ axes, yLabel, unit, best, trend }) {
     const { answer } = this;
     const failed = answer.points - answer.succeeded;
+    const error = () => (best.error === undefined ? '' : ` ± ${number(best.error, 2)}`);
+    const isAtEnd = ({ axis, values }) => values.length > 2 && [values[0], values.at(-1)].includes(best.point[axis]);
+    const ends = best ? axes.filter((axis) => typeof axis.values[0] === 'number' && isAtEnd(axis)).map(({ label }) => label) : [];
     const place = () => axes.map(({ axis, unit: axisUnit }) => placed(best.point[axis], axisUnit)).join(' and ');
     return [
       `${yLabel} over ${axes.map(({ label }) => label).join(' and ')}, ${answer.succeeded} of ${answer.points} points.`,
       answer.statistic && `Each is the ${statisticName(answer.statistic)} over the samples of the uncertain inputs.`,
       best &&
-        `Best (${best.goal.replace('_', ' ')}): ${quantity(best.value, unit)} at ${place()}${best.as_good > 1 ? `, with ${best.as_good - 1} as good within their errors` : ''}.`,
+        `Best (${best.goal.replace('_', ' ')}): ${quantity(best.value, unit)}${error()} at ${place()}${best.as_good > 1 ? `, with ${best.as_good - 1} as good within their errors` : ''}.`,
+      ends.length > 0 && `It lies at an end of the values of ${ends.join(' and ')}: a better point may lie beyond.`,
       trend?.resolved === false && 'The trend is not resolved: the errors exceed a tenth of its span.',
       failed > 0 && `${failed} without a result: ${answer.rows.find((row) => row.error)?.error.detail ?? 'not run'}.`,
     ]

@@ -32,7 +32,8 @@ const ERROR_OVER_DEVIATION: f64 = 4.0 / 3.0;
 /// Time that is repeated in half steps [s], unless a period is longer, and largest error of a level that needs no shorter step [dB].
 const REPEATED: f64 = 0.1;
 const ALLOWED_DB: f64 = 0.1;
-/// Share of the progress that the first run takes.
+/// Share of the rest of the progress that steps of one length take, because shorter ones may follow; and that of their first run in it.
+const STEP_SHARE: f64 = 0.8;
 const RUN_SHARE: f64 = 0.6;
 /// Share of the progress that a reduced level takes beside its verification on `full`, and both where `full` may follow.
 const LEVEL_SHARE: f64 = 0.3;
@@ -224,13 +225,16 @@ impl Run<'_> {
             MachineWarning::StepRejected(RejectedStep { step, cause, stiff_bearings })
         };
         let (mut rejections, mut work, mut last_error) = (Vec::new(), Work::default(), None);
+        let mut done = 0.0;
         loop {
+            let (from, to) = (done, done + STEP_SHARE * (1.0 - done));
+            let between = from + RUN_SHARE * (to - from);
+            done = to;
             let recorded = control
-                .part((0.0, RUN_SHARE), |control| self.record(duration, step, control, &mut work))
+                .part((from, between), |control| self.record(duration, step, control, &mut work))
                 .and_then(|recording| {
                     let half = step.halved();
-                    let again =
-                        control.part((RUN_SHARE, 1.0), |control| self.record(window, half, control, &mut work))?;
+                    let again = control.part((between, to), |control| self.record(window, half, control, &mut work))?;
                     Ok((recording, again))
                 });
             let recorded = recorded.and_then(|(recording, again)| match level_errors(&recording, &again) {
