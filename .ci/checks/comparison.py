@@ -43,7 +43,8 @@ def compared(running, rate, values, **more):
 
 
 def lines(answer):
-    return answer["lines"] + answer.get("envelope", {}).get("lines", [])
+    """Lines with labels. Others are peaks of the stored spectrum, whose four digits are up to 0.004 dB."""
+    return [line for line in answer["lines"] if line["label"]] + answer.get("envelope", {}).get("lines", [])
 
 
 def worst(answer, ratio_db, percent):
@@ -55,6 +56,8 @@ def case_own_series(running):
     answer = compared(running, RATE, predicted(running)[1], speed_rpm=SPEED)
     ratio, difference = worst(answer, 0, 0)
     verdict(ratio < 1e-3 and difference < 1e-4, f"a run's own series differs by {ratio:.1e} dB and {difference:.1e} %")
+    weak = max((abs(line["level_ratio_db"]) for line in answer["lines"] if not line["label"]), default=0)
+    verdict(weak < 0.01, f"its weaker peaks differ by {weak:.1e} dB")
     verdict(len(answer["lines"]) >= 10 and not answer["unmatched"]["predicted"], f"{len(answer['lines'])} lines have partners")
     labels = [line["label"] for line in answer.get("envelope", {}).get("lines", [])]
     verdict("BPFI" in labels, f"lines of the envelope are compared, too: {labels[:4]}")

@@ -168,7 +168,7 @@ pub struct DerivedAnswer {
 pub struct StaticAnswer {
     /// Displacement from the centred position along the radial force, clearance included [µm].
     pub radial_displacement_um: f64,
-    /// Displacement along the axial load [µm].
+    /// Displacement from the centred position along the axial load [µm], with the play A sin α₀ of the free contact angle.
     pub axial_displacement_um: f64,
     /// Largest load of a ball on the inner raceway [N].
     #[schema(minimum = 0)]
