@@ -140,7 +140,7 @@ function files({ readMeasured }) {
   assert.throws(() => readMeasured(buffer('    -1\n   151\nname\n    -1\n')), /no dataset 58/);
 }
 
-function spectra({ spectrumOf, linesOf, comparedLines, comparedLevels, byAngle, pulsesOf, bandOf }, { readMeasured }) {
+function spectra({ spectrumOf, linesOf, peaksOf, comparedLines, comparedLevels, byAngle, pulsesOf, bandOf }, { readMeasured }) {
   const predicted = spectrumOf(signal(), RATE, 1);
   assert.deepEqual([predicted.resolution_hz, predicted.averages, predicted.highest_hz], [1, 1, 20480]);
   near(predicted.amplitude[800], 0.5, 1e-9, 'a tone on a bin reads its amplitude');
@@ -153,6 +153,9 @@ function spectra({ spectrumOf, linesOf, comparedLines, comparedLevels, byAngle, 
   const lines = linesOf(predicted, 20000);
   assert.equal(lines.length, 3);
   const named = lines.map((line) => ({ ...line, label: 'line' }));
+  // Peaks of the prediction that are no listed lines have partners, too.
+  const weaker = comparedLines(named.slice(0, 1), lines, [SPEED, SPEED], 1, peaksOf(predicted, 20000));
+  assert.deepEqual([weaker.lines.length, weaker.others.length], [3, 0]);
   const compare = (values, rate, speed, length = 1) => {
     const measured = spectrumOf(values, rate, 1, length);
     const { lines: found, others } = comparedLines(named, linesOf(measured, 20000), [SPEED, speed], 1);
