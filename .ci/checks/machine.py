@@ -119,8 +119,8 @@ def case_growing_whirl(running):
     verdict(ended["status"] == "failed" and "rotating_share" in detail, f"whirl that damping drives: {ended['status']}, {detail}")
 
 
-def case_whirl_by_traction(running):
-    """Two close bearings hold a spindle whose balls drive its whirl by their traction, where the linear analysis is stable."""
+def case_whirl_by_balls(running):
+    """Two close bearings hold a spindle whose balls, held by their cages, drive its whirl, where the linear analysis is stable."""
     pair = [{"name": name, "bearing": "7008C", "at_mm": at, "faces": faces} for name, at, faces in (("A", 0, "+x"), ("B", 15, "-x"))]
     spindle = {"spindle": {"mass_kg": 3, "balance_grade": 2.5}, "bearings": pair, "preloads": [{"between": ["A", "B"], "force_n": 150}]}
     for rpm, whirls in ((20000, True), (6000, False)):

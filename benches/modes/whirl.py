@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Growth of the whirl of a rigid spindle on two close bearings: of a machine in time, with and without traction, beside the linear analysis.
+"""Growth of the whirl of a rigid spindle on two close bearings beside the linear analysis: of a machine in time, with wide pockets of the cages, and
+without traction.
 
 Usage: python3 benches/modes/whirl.py --binary BINARY
 
@@ -16,13 +17,14 @@ import os
 import subprocess
 import tempfile
 
-BEARINGS = [{"name": "A", "bearing": "7008C", "at_mm": 0, "faces": "+x"}, {"name": "B", "bearing": "7008C", "at_mm": 15, "faces": "-x"}]
+BEARINGS = [{"name": "A", "at_mm": 0, "faces": "+x"}, {"name": "B", "at_mm": 15, "faces": "-x"}]
+WIDE_POCKETS = {"preset": "7008C", "cage": {"pocket_clearance_mm": 0.5}}
 NO_TRACTION = {"kind": "grease", "traction": {"maximum": 0, "limit": 0}}
 PARTS = 10
 
 
-def scene(speed_rpm, lubricant):
-    bearings = [bearing | ({"lubricant": lubricant} if lubricant else {}) for bearing in BEARINGS]
+def scene(speed_rpm, lubricant=None, bearing="7008C"):
+    bearings = [one | {"bearing": bearing} | ({"lubricant": lubricant} if lubricant else {}) for one in BEARINGS]
     return {"spindle": {"mass_kg": 3}, "bearings": bearings, "preloads": [{"between": ["A", "B"], "force_n": 150}],
             "operation": {"speed_rpm": speed_rpm}}
 
@@ -56,13 +58,13 @@ def main():
     parser.add_argument("--binary", required=True)
     binary = os.path.abspath(parser.parse_args().binary)
     for speed_rpm in (10000, 20000):
-        modes = answer(binary, {"kind": "rotor", "scene": scene(speed_rpm, None)})["operating"]["modes"]
+        modes = answer(binary, {"kind": "rotor", "scene": scene(speed_rpm)})["operating"]["modes"]
         whirl = [mode for mode in modes if mode.get("whirl") == "forward"][0]
         linear = -whirl["damping_ratio"] * 2 * math.pi * whirl["frequency_hz"]
-        found = {name: growth(binary, {"kind": "machine", "scene": scene(speed_rpm, lubricant), "duration_s": 0.5, "settle_s": 0, "step_us": 5.5,
-                                       "outputs": {"series": ["A.tilt.y"]}})
-                 for name, lubricant in (("default traction", None), ("no traction", NO_TRACTION))}
-        print(f"| {speed_rpm} | {whirl['frequency_hz']:.0f} | {linear:.1f} | " + " | ".join(f"{value:.1f}" for value in found.values()) + " |", flush=True)
+        machines = (scene(speed_rpm), scene(speed_rpm, bearing=WIDE_POCKETS), scene(speed_rpm, lubricant=NO_TRACTION))
+        found = [growth(binary, {"kind": "machine", "scene": one, "duration_s": 0.5, "settle_s": 0, "step_us": 5.5,
+                                 "outputs": {"series": ["A.tilt.y"]}}) for one in machines]
+        print(f"| {speed_rpm} | {whirl['frequency_hz']:.0f} | {linear:.1f} | " + " | ".join(f"{value:.1f}" for value in found) + " |", flush=True)
 
 
 if __name__ == "__main__":

@@ -73,6 +73,9 @@ export class MeasuredPanel {
 
   async #open(file) {
     if (!file) return;
+    // The fields of another file would compare that one.
+    this.read = undefined;
+    this.settings.replaceChildren();
     try {
       this.remark.className = 'note';
       this.remark.textContent = `Reading ${file.name} …`;

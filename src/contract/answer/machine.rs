@@ -48,12 +48,12 @@ pub struct MachineAnswer {
     pub envelope: Option<EnvelopeName>,
     /// What each bearing did, by its name.
     pub bearings: BTreeMap<String, MachineBearingAnswer>,
-    /// How neighbouring bearings face each other, along the shaft; absent with fewer than two bearings.
+    /// How neighbouring bearings face each other by `faces`, along the shaft; of bearings that carry thrust one way. Absent with fewer than two.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub arrangements: Vec<ArrangementAnswer>,
     /// Natural motions of shaft and bearings, linear about the operating point, below 20 kHz.
     pub natural_frequencies: Vec<NaturalFrequencyAnswer>,
-    /// Whether every natural motion decays at the operating speed by the linear analysis, which leaves out tractions of the balls; absent where
+    /// Whether every natural motion decays at the operating speed by the linear analysis, without tractions of balls and pockets of cages; absent where
     /// supports and loaded bearings leave a motion free.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -331,10 +331,10 @@ fn first_acceleration<'a>(
 
 /// Messages about the bands of the headline.
 fn messages_of_bands(machine: &Machine, result: &MachineResult) -> Vec<MessageAnswer> {
-    let Some((channel, _, bands)) = first_acceleration(machine, result) else { return Vec::new() };
+    let Some((channel, metrics, bands)) = first_acceleration(machine, result) else { return Vec::new() };
     let spectra = result.spectra.iter().filter(|spectra| spectra.channel == channel);
     let lines: Vec<&Line> = spectra.flat_map(|spectra| &spectra.lines).collect();
-    messages::of_bands(&channel.named(machine).to_string(), bands, &lines)
+    messages::of_bands(&channel.named(machine).to_string(), metrics.rms, bands, &lines)
 }
 
 fn channel_answer(channel: &MachineChannel, metrics: &SignalMetrics) -> MachineChannelAnswer {

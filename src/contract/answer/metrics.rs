@@ -299,9 +299,9 @@ impl Metrics {
         };
         let headline = outputs.vibration.then(|| headline(summary)).flatten();
         let of_result = messages::of_result(&summary.accuracy.warnings, &summary.solver);
-        let of_bands = headline.map(|(_, bands)| {
+        let of_bands = headline.map(|(metrics, bands)| {
             let own = summary.lines.iter().filter(|(channel, _)| *channel == HEADLINE).map(|(_, line)| line);
-            messages::of_bands(&HEADLINE.to_string(), bands, &own.collect::<Vec<_>>())
+            messages::of_bands(&HEADLINE.to_string(), metrics.rms, bands, &own.collect::<Vec<_>>())
         });
         let of_bands = of_bands.into_iter().flatten();
         let of_friction = adds_forces_for_friction(simulation).then(messages::friction_adds_forces).into_iter();

@@ -54,7 +54,7 @@ pub struct RotorAnswer {
     /// The bearings at the operating point; absent without bearings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bearings: Vec<RotorBearingAnswer>,
-    /// How neighbouring bearings face each other, along the shaft; absent with fewer than two bearings.
+    /// How neighbouring bearings face each other by `faces`, along the shaft; of bearings that carry thrust one way. Absent with fewer than two.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub arrangements: Vec<ArrangementAnswer>,
     /// Static displacement of the nodes under weight and loads.
@@ -98,7 +98,7 @@ pub enum WhirlName {
 pub struct OperatingAnswer {
     /// [r/min]
     pub speed_rpm: f64,
-    /// Whether every motion decays by this analysis. Tractions of the balls, which can drive a whirl, are left out.
+    /// Whether every motion decays by this analysis. Tractions of balls and pockets of cages, which can drive a whirl, are left out.
     pub is_stable: bool,
     /// Largest growth rate of a motion, oscillating or not [1/s]; negative: the slowest decay.
     pub growth_rate_per_s: f64,

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use raceway_core::simulation::error::comparison::SILENCE;
 use raceway_core::simulation::recording::bands::{Band, BandMetrics, LOWEST_BIN, SEVERITY_BAND};
 use raceway_core::simulation::result::lines::Line;
 use serde_json::json;
@@ -15,8 +16,11 @@ const PARSEVAL_TOLERANCE: f64 = 0.03;
 /// Half width of the main lobe of a Hann window [bins].
 const LOBE: f64 = 2.0;
 
-/// Messages about the bands of a channel with these lines.
-pub fn of_bands(channel: &str, metrics: &BandMetrics, lines: &[&Line]) -> Vec<MessageAnswer> {
+/// Messages about the bands of a channel with a root mean square [m/s²] and these lines; silence has none.
+pub fn of_bands(channel: &str, rms: f64, metrics: &BandMetrics, lines: &[&Line]) -> Vec<MessageAnswer> {
+    if rms <= SILENCE {
+        return Vec::new();
+    }
     let velocity = metrics.severity.is_none().then(|| velocity_not_resolved(channel));
     let power = metrics.parseval_ratio.filter(|ratio| (ratio - 1.0).abs() > PARSEVAL_TOLERANCE);
     let at_edge = lines.iter().find_map(|line| line_at_edge(channel, metrics, line));
@@ -74,24 +78,29 @@ mod tests {
         }
     }
 
-    fn codes(metrics: &BandMetrics, lines: &[(f64, f64)]) -> Vec<MessageCode> {
+    fn codes(rms: f64, metrics: &BandMetrics, lines: &[(f64, f64)]) -> Vec<MessageCode> {
         let line =
             |&(frequency, amplitude): &(f64, f64)| Line { frequency, amplitude, label: String::new(), deviation: 0.0 };
         let lines: Vec<Line> = lines.iter().map(line).collect();
         let lines: Vec<&Line> = lines.iter().collect();
-        of_bands("spindle.y.acceleration", metrics, &lines).iter().map(|message| message.code).collect()
+        of_bands("spindle.y.acceleration", rms, metrics, &lines).iter().map(|message| message.code).collect()
     }
 
     #[test]
     fn bands_that_hold_all_have_no_message() {
-        assert_eq!(codes(&metrics(Some(1e-3), 0.98), &[(1793.0, 0.1), (1500.0, 10.0)]), []);
+        assert_eq!(codes(1.0, &metrics(Some(1e-3), 0.98), &[(1793.0, 0.1), (1500.0, 10.0)]), []);
+    }
+
+    #[test]
+    fn silence_has_no_message() {
+        assert_eq!(codes(1e-6, &metrics(None, 0.9), &[]), []);
     }
 
     #[test]
     fn each_limit_has_a_message() {
-        assert_eq!(codes(&metrics(None, 1.0), &[]), [MessageCode::VelocityNotResolved]);
-        assert_eq!(codes(&metrics(Some(1e-3), 0.9), &[]), [MessageCode::PowerBeyondBands]);
-        assert_eq!(codes(&metrics(Some(1e-3), 1.0), &[(1793.0, 1.0)]), [MessageCode::LineAtEdge]);
-        assert_eq!(codes(&metrics(Some(1e-3), 1.0), &[(1805.0, 10.0)]), [MessageCode::LineAtEdge]);
+        assert_eq!(codes(1.0, &metrics(None, 1.0), &[]), [MessageCode::VelocityNotResolved]);
+        assert_eq!(codes(1.0, &metrics(Some(1e-3), 0.9), &[]), [MessageCode::PowerBeyondBands]);
+        assert_eq!(codes(1.0, &metrics(Some(1e-3), 1.0), &[(1793.0, 1.0)]), [MessageCode::LineAtEdge]);
+        assert_eq!(codes(1.0, &metrics(Some(1e-3), 1.0), &[(1805.0, 10.0)]), [MessageCode::LineAtEdge]);
     }
 }
