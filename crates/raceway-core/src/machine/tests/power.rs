@@ -40,7 +40,7 @@ impl Powers {
         self.0.iter().fold(0.0, |most, (_, power)| f64::max(most, power.abs()))
     }
 
-    /// Power that changes no stored energy.
+    /// Power of all causes but inertia and bending, which store energy.
     fn done(&self) -> f64 {
         const STORED: [&str; 4] = ["inertia of balls", "inertia of cages", "inertia of the shaft", "bending"];
         self.0.iter().filter(|(cause, _)| !STORED.contains(cause)).map(|(_, power)| power).sum()
