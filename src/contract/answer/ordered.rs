@@ -2,6 +2,7 @@
 
 use raceway_core::physics::designation::{Designation, Suffix};
 use raceway_core::physics::oil::WALTHER_LOWEST;
+use raceway_core::physics::seat::Seat;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -55,7 +56,33 @@ pub struct ClearanceAnswer {
     pub temperature_um: f64,
     /// Clearance in operation, which is simulated [µm].
     pub operating_um: f64,
+    /// Fit of the shaft's tolerance class; absent without a class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub shaft: Option<SeatAnswer>,
+    /// Fit of the housing's tolerance class; absent without a class.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub housing: Option<SeatAnswer>,
 }
+
+/// Interference that a tolerance class gives.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SeatAnswer {
+    /// Tolerance class of the seat (ISO 286).
+    pub class: String,
+    /// Lower and upper limit of the seat from the nominal size [µm].
+    pub limits_um: [f64; 2],
+    /// Lower and upper limit of the bearing's bore or outer diameter from the nominal size [µm].
+    pub ring_limits_um: [f64; 2],
+    /// Interference between the middles of both [µm]; negative: a loose fit, which takes no clearance.
+    pub interference_um: f64,
+    /// What the interference assumes.
+    pub assumption: String,
+}
+
+const MIDDLES: &str =
+    "interference between the middles of both tolerance fields; bearing of the normal tolerance class (ISO 492)";
 
 /// The oil at running temperature.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -142,6 +169,20 @@ impl From<&OperatingClearance> for ClearanceAnswer {
             housing_fit_um: significant(clearance.housing_fit_um, 6),
             temperature_um: significant(clearance.temperature_um, 6),
             operating_um: clearance.operating_um,
+            shaft: clearance.shaft.map(SeatAnswer::from),
+            housing: clearance.housing.map(SeatAnswer::from),
+        }
+    }
+}
+
+impl From<Seat> for SeatAnswer {
+    fn from(seat: Seat) -> Self {
+        Self {
+            class: seat.class.to_owned(),
+            limits_um: seat.limits_um,
+            ring_limits_um: seat.ring_limits_um,
+            interference_um: seat.interference_um,
+            assumption: MIDDLES.to_owned(),
         }
     }
 }

@@ -63,9 +63,10 @@ pub struct TachometerInput {
 }
 
 /// Unit of measured values: of an acceleration `m/s2` or `g` (9.80665 m/s²), of a velocity `m/s`, `mm/s` or `um/s`, of a displacement `mm` or `um`.
+/// `m/s²`, `m/s^2`, `µm/s` and `µm` are read, too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub enum MeasuredUnit {
-    #[serde(rename = "m/s2")]
+    #[serde(rename = "m/s2", alias = "m/s²", alias = "m/s^2")]
     MetrePerSecondSquared,
     #[serde(rename = "g")]
     StandardGravity,
@@ -73,11 +74,11 @@ pub enum MeasuredUnit {
     MetrePerSecond,
     #[serde(rename = "mm/s")]
     MillimetrePerSecond,
-    #[serde(rename = "um/s")]
+    #[serde(rename = "um/s", alias = "µm/s", alias = "μm/s")]
     MicrometrePerSecond,
     #[serde(rename = "mm")]
     Millimetre,
-    #[serde(rename = "um")]
+    #[serde(rename = "um", alias = "µm", alias = "μm")]
     Micrometre,
 }
 
@@ -285,6 +286,15 @@ mod tests {
         assert!((found.turns() - 1.0).abs() < 1e-12, "times beyond the record are left out");
         assert_eq!(pointers(&json!({})), ["/speed_rpm"]);
         assert_eq!(pointers(&json!({ "speed_rpm": 50, "tachometer": {} })), ["/speed_rpm"]);
+    }
+
+    #[test]
+    fn units_are_read_as_they_are_printed() {
+        let unit = |name: &str| read(&json!({ "speed_rpm": 50, "unit": name })).unwrap().unit;
+        assert!(["m/s2", "m/s²", "m/s^2"].iter().all(|name| unit(name) == MeasuredUnit::MetrePerSecondSquared));
+        // The sign of micro, and the Greek letter.
+        assert!(["um/s", "\u{b5}m/s", "\u{3bc}m/s"].iter().all(|name| unit(name) == MeasuredUnit::MicrometrePerSecond));
+        assert!(["um", "\u{b5}m", "\u{3bc}m"].iter().all(|name| unit(name) == MeasuredUnit::Micrometre));
     }
 
     #[test]

@@ -3,14 +3,17 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::preset_names::{HousingClassName, ShaftClassName};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::numbers::{short, significant};
+use crate::contract::json::problem::listed;
 use raceway_core::physics::bearing::PerRaceway;
 use raceway_core::physics::clearance::{
     ClearanceGroup, Expansion, InnerFit, OuterFit, bores_of, groove_bottoms, limits_um, middle,
 };
 use raceway_core::physics::material::{GCR15, Material};
 use raceway_core::physics::presets;
+use raceway_core::physics::seat::{self, HOUSING_CLASSES, SHAFT_CLASSES, Seat};
 
 /// Group of radial internal clearance: C2 to C5 of ISO 5753-1 by bore, for bores below 10 mm also MC1 to MC6.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -52,9 +55,19 @@ impl ClearanceGroupName {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FitsInput {
+    /// Tolerance class of the shaft (ISO 286), instead of `shaft_interference_um`. The interference is that between the middles of both tolerance
+    /// fields; the bore has the normal tolerance class of ISO 492.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<ShaftClassName>, example = "k5")]
+    pub shaft: Option<String>,
     /// Diametral interference of shaft and bore [µm]; negative: a loose fit, which takes no clearance. Default 0.
     #[schema(nullable = false, example = 8.0)]
     pub shaft_interference_um: Option<f64>,
+    /// Tolerance class of the housing (ISO 286), instead of `housing_interference_um`. The outer diameter of the bearing has the normal tolerance
+    /// class of ISO 492.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Option<HousingClassName>, example = "H7")]
+    pub housing: Option<String>,
     /// Bore of a hollow shaft [mm]. Default 0: solid.
     #[schema(nullable = false)]
     pub shaft_bore_mm: Option<f64>,
@@ -109,6 +122,9 @@ pub struct OperatingClearance {
     pub operating_um: f64,
     /// Whether fits are given.
     pub has_fits: bool,
+    /// Seats whose tolerance class is named.
+    pub shaft: Option<Seat>,
+    pub housing: Option<Seat>,
 }
 
 /// Materials that matter to the clearance.
@@ -143,8 +159,10 @@ pub fn operating_clearance(
     };
     let unmounted_um = middle(limits_um);
     let grooves = groove_bottoms(sizes.pitch, sizes.ball, unmounted_um / 1e3);
+    let shaft = fits.and_then(|fits| fits.shaft_seat(sizes.bore, defaults));
+    let housing = fits.and_then(|fits| fits.housing_seat(sizes.outside, defaults));
     let [shaft_fit_um, housing_fit_um] =
-        fits.map_or([0.0; 2], |fits| fits.clearance_loss(sizes, grooves, &materials.rings, defaults));
+        fits.map_or([0.0; 2], |fits| fits.clearance_loss((shaft, housing), sizes, grooves, &materials.rings, defaults));
     let of_temperature =
         temperatures.map(|temperatures| temperatures.clearance_loss(sizes.ball, grooves, materials.ball, defaults));
     let temperature_um = 1e3 * of_temperature.unwrap_or_default();
@@ -158,6 +176,8 @@ pub fn operating_clearance(
         temperature_um,
         operating_um,
         has_fits: fits.is_some(),
+        shaft,
+        housing,
     })
 }
 
@@ -173,9 +193,34 @@ fn no_group(group: ClearanceGroup, bore: f64) -> String {
 }
 
 impl FitsInput {
+    /// The seat of the named class of the shaft; `None` without a class and after errors.
+    fn shaft_seat(&self, bore: f64, defaults: &mut Defaults) -> Option<Seat> {
+        let class = self.shaft.as_deref()?;
+        let seat = Seat::shaft(class, bore);
+        if self.shaft_interference_um.is_some() {
+            refuse_both("shaft", defaults);
+        } else if seat.is_none() {
+            refuse_class(("shaft", class), &SHAFT_CLASSES, ("bore", bore), defaults);
+        }
+        seat
+    }
+
+    /// The seat of the named class of the housing; `None` without a class and after errors.
+    fn housing_seat(&self, outside: f64, defaults: &mut Defaults) -> Option<Seat> {
+        let class = self.housing.as_deref()?;
+        let seat = Seat::housing(class, outside);
+        if self.housing_interference_um.is_some() {
+            refuse_both("housing", defaults);
+        } else if seat.is_none() {
+            refuse_class(("housing", class), &HOUSING_CLASSES, ("outer diameter", outside), defaults);
+        }
+        seat
+    }
+
     /// Clearance that the fits on the shaft and in the housing take away [µm].
     fn clearance_loss(
         &self,
+        (shaft, housing): (Option<Seat>, Option<Seat>),
         sizes: &Sizes,
         grooves: PerRaceway<f64>,
         rings: &PerRaceway<Material>,
@@ -186,9 +231,10 @@ impl FitsInput {
             defaults.check(&format!("{FITS}/{name}"), value);
             value
         };
-        let shaft_interference = number("shaft_interference_um", self.shaft_interference_um, 0.0);
+        let of_seat = |seat: Option<Seat>| seat.map_or(0.0, |seat| seat.interference_um);
+        let shaft_interference = number("shaft_interference_um", self.shaft_interference_um, of_seat(shaft));
         let shaft_bore = number("shaft_bore_mm", self.shaft_bore_mm, 0.0);
-        let housing_interference = number("housing_interference_um", self.housing_interference_um, 0.0);
+        let housing_interference = number("housing_interference_um", self.housing_interference_um, of_seat(housing));
         let housing_outside = number("housing_outer_diameter_mm", self.housing_outer_diameter_mm, f64::INFINITY);
         if shaft_bore >= sizes.bore {
             let detail = format!("{} mm: must be below the bore, {} mm", short(shaft_bore), short(sizes.bore));
@@ -220,6 +266,27 @@ impl FitsInput {
         };
         [on_shaft.groove_growth(), in_housing.groove_shrinkage()]
     }
+}
+
+/// Refuses a class beside an interference.
+fn refuse_both(part: &str, defaults: &mut Defaults) {
+    defaults
+        .refuse(format!("{FITS}/{part}"), format!("give either {part} or {part}_interference_um: both set the fit"));
+}
+
+/// Refuses an unknown class, or a size that no class has.
+fn refuse_class(
+    (part, class): (&str, &str),
+    known: &[&'static str],
+    (size, value): (&str, f64),
+    defaults: &mut Defaults,
+) {
+    let detail = if known.contains(&class) {
+        format!("{class} is for sizes above 0 up to {} mm, the {size} has {} mm", short(seat::LARGEST), short(value))
+    } else {
+        format!("unknown class `{class}`; known are {}", listed(known.iter().copied()))
+    };
+    defaults.refuse(format!("{FITS}/{part}"), detail);
 }
 
 impl TemperaturesInput {

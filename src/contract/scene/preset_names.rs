@@ -2,6 +2,7 @@
 
 use raceway_core::physics::oil::grades;
 use raceway_core::physics::presets;
+use raceway_core::physics::seat::{HOUSING_CLASSES, SHAFT_CLASSES};
 use serde::Serialize;
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
@@ -29,6 +30,8 @@ names! {
     "Name of a material of `GET /v1/presets`." MaterialName: presets::MATERIALS.map(|material| material.name);
     "Name of a lubricant of `GET /v1/presets`." LubricantName: presets::LUBRICANTS.map(|lubricant| lubricant.name);
     "ISO viscosity grade: a mineral oil of viscosity index 95." ViscosityGradeName: grades().iter().map(|grade| grade.name);
+    "Tolerance class of a shaft (ISO 286)." ShaftClassName: SHAFT_CLASSES;
+    "Tolerance class of a housing (ISO 286)." HousingClassName: HOUSING_CLASSES;
     "Name of a quality of raceways of `GET /v1/presets`." SurfaceName: presets::SURFACES.map(|surface| surface.name);
 }
 

@@ -113,6 +113,29 @@ fn clearance_is_the_group_less_fit_and_temperature() {
     assert!(answer.warnings.is_empty(), "{:?}", answer.warnings);
 }
 
+/// 6205 on k5 in N7: shaft +2 to +11 µm, bore −10 to 0 µm, housing −39 to −9 µm, outside −13 to 0 µm.
+#[test]
+fn fits_go_by_tolerance_class() {
+    let with = |fits: Value| {
+        let given = json!({"preset": "6205", "radial_clearance_group": "C3", "fits": fits});
+        let answer = bearing(given);
+        assert!(answer.warnings.is_empty(), "{:?}", answer.warnings);
+        answer.derived.clearance.unwrap()
+    };
+    let named = with(json!({"shaft": "k5", "housing": "N7"}));
+    let shaft = named.shaft.unwrap();
+    assert_eq!((shaft.class.as_str(), shaft.limits_um, shaft.ring_limits_um), ("k5", [2.0, 11.0], [-10.0, 0.0]));
+    assert_eq!((shaft.interference_um, named.housing.unwrap().interference_um), (6.5 + 5.0, 24.0 - 6.5));
+    assert!(shaft.assumption.contains("middles of both tolerance fields") && shaft.assumption.contains("ISO 492"));
+    assert_close(named.shaft_fit_um, 0.804 * 11.5, 0.01);
+    let given = with(json!({"shaft_interference_um": 11.5, "housing_interference_um": 17.5}));
+    assert_eq!((named.shaft_fit_um, named.housing_fit_um), (given.shaft_fit_um, given.housing_fit_um));
+    assert_eq!((named.operating_um, given.shaft), (given.operating_um, None));
+    let loose = with(json!({"shaft": "g6", "housing": "H7"}));
+    assert_eq!(loose.housing.unwrap().interference_um, -15.0 - 6.5);
+    assert_eq!((loose.shaft_fit_um, loose.housing_fit_um, loose.operating_um), (0.0, 0.0, 20.5));
+}
+
 #[test]
 fn a_group_without_fits_warns() {
     for name in [json!({"preset": "6205", "radial_clearance_group": "C3"}), json!("6205/C3")] {
@@ -173,6 +196,18 @@ fn groups_that_do_not_fit_are_refused() {
     let with = |fits: Value| of(json!({group: "C3", "fits": fits}));
     check(with(json!({"shaft_interference_um": 2000})), "fits/shaft_interference_um", "from -1000 to 1000 µm");
     check(with(json!({"shaft_bore_mm": 25})), "fits/shaft_bore_mm", "must be below the bore, 25 mm");
+    check(
+        with(json!({"shaft": "k5", "shaft_interference_um": 5})),
+        "fits/shaft",
+        "either shaft or shaft_interference_um",
+    );
+    let both = json!({"housing": "H7", "housing_interference_um": 5});
+    check(with(both), "fits/housing", "either housing or housing_interference_um");
+    check(with(json!({"shaft": "K5"})), "fits/shaft", "unknown class `K5`; known are `g6`, `h5`");
+    check(with(json!({"housing": "h7"})), "fits/housing", "unknown class `h7`; known are `G7`, `H6`");
+    check(with(json!({"shaft": 5})), "fits/shaft", "string");
+    let large = json!({"preset": "6205", group: "C3", "outer_diameter_mm": 600, "fits": {"housing": "H7"}});
+    check(large, "fits/housing", "H7 is for sizes above 0 up to 500 mm, the outer diameter has 600 mm");
     let housing = "fits/housing_outer_diameter_mm";
     check(with(json!({"housing_outer_diameter_mm": 52})), housing, "above the outer diameter of the bearing, 52 mm");
     let hot = of(json!({group: "C3", "temperatures": {"balls_c": 1000}}));
@@ -250,6 +285,7 @@ fn ordered_scenes_resolve_to_themselves() {
         json!("7008C"),
         json!({"preset": "6309", "radial_clearance_group": "C4", "fits": {"shaft_interference_um": 12.3, "shaft_bore_mm": 20,
             "housing_interference_um": 4, "housing_outer_diameter_mm": 120}, "temperatures": {"inner_ring_c": 65.4, "outer_ring_c": 50}}),
+        json!({"preset": "6309/C3", "fits": {"shaft": "m5", "housing": "P7"}}),
     ];
     for bearing in bearings {
         let first = parse_scene_request(request(&bearing, &oil).to_string().as_bytes()).unwrap();

@@ -28,6 +28,7 @@ pub mod presets;
 pub mod raceway;
 pub mod rating;
 pub mod samples;
+pub mod seat;
 pub mod spindle;
 pub mod statics;
 pub mod surface;
