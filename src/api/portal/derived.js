@@ -82,17 +82,19 @@ export function showDerived(host, resolved) {
 /** How clearance and viscosity follow from group, fits, temperatures and grade, and where the balls are from. */
 function orderedParts({ clearance, oil, designation }, rows) {
   const part = (title, ...content) => h('div', {}, h('h3', {}, title), ...content);
+  const fit = (name, seat) => (seat ? `${name}, ${seat.class}: ${quantity(seat.interference_um, 'µm')}` : name);
   return [
     clearance &&
       part(
         `Clearance, group ${clearance.group}`,
         rows([
           ['Unmounted', clearance.unmounted_um, 'µm'],
-          ['Shaft fit', -clearance.shaft_fit_um, 'µm'],
-          ['Housing fit', -clearance.housing_fit_um, 'µm'],
+          [fit('Shaft fit', clearance.shaft), -clearance.shaft_fit_um, 'µm'],
+          [fit('Housing fit', clearance.housing), -clearance.housing_fit_um, 'µm'],
           ['Temperature', -clearance.temperature_um, 'µm'],
           ['In operation', clearance.operating_um, 'µm'],
         ]),
+        (clearance.shaft ?? clearance.housing) && h('p', { class: 'note' }, `Fits: ${(clearance.shaft ?? clearance.housing).assumption}.`),
       ),
     oil &&
       part(

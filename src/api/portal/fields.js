@@ -7,8 +7,8 @@ const field = (pointer, label, symbol, unit, more = {}) => ({ pointer, label, sy
 
 /** `range`: range of slider and study if the value gives none, or always with `always`. `near`: relative width of the range around the
  *  value. `fixed`: not varied. `pair`: two numbers. `ramp`: which value of a speed ramp. `materials`: a choice of materials. `help`: where the
- *  schema has none. `automatic`: the service chooses the value of an empty field. `derived`: pointer to
- *  the derived value of an empty field. */
+ *  schema has none. `automatic`: the service chooses the value of an empty field. `absent`: what an empty choice
+ *  means. `derived`: pointer to the derived value of an empty field. */
 export const GROUPS = [
   {
     name: 'Operation',
@@ -44,7 +44,9 @@ export const GROUPS = [
         derived: '/derived/radial_clearance_um',
       }),
       field('/scene/bearing/radial_clearance_group', 'Clearance group', '', '', { choices: true, derived: '/derived/clearance/group' }),
+      field('/scene/bearing/fits/shaft', 'Shaft class', '', '', { choices: true, absent: 'none' }),
       field('/scene/bearing/fits/shaft_interference_um', 'Shaft interference', '', 'µm', { fixed: true }),
+      field('/scene/bearing/fits/housing', 'Housing class', '', '', { choices: true, absent: 'none' }),
       field('/scene/bearing/fits/housing_interference_um', 'Housing interference', '', 'µm', { fixed: true }),
       field('/scene/bearing/contact_angle_deg', 'Contact angle', 'α', '°', {
         range: [5, 30],

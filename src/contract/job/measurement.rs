@@ -289,6 +289,17 @@ mod tests {
     }
 
     #[test]
+    fn equal_values_are_no_vibration() {
+        let samples = Samples::new(1000.0, vec![0.3; 1000]).unwrap();
+        let uploads = Uploads::new(BTreeMap::from([(RECORD.to_owned(), Arc::new(samples))]));
+        let request = json!({ "series": RECORD, "unit": "g", "speed_rpm": 3000 }).to_string();
+        let Err(Refusal::Invalid { errors }) = Measurement::read(request.as_bytes(), &uploads) else {
+            panic!("refused")
+        };
+        assert_eq!(errors, [FieldError::new("/series", "all values are 0.3: there is no vibration to compare")]);
+    }
+
+    #[test]
     fn units_are_read_as_they_are_printed() {
         let unit = |name: &str| read(&json!({ "speed_rpm": 50, "unit": name })).unwrap().unit;
         assert!(["m/s2", "m/s²", "m/s^2"].iter().all(|name| unit(name) == MeasuredUnit::MetrePerSecondSquared));

@@ -207,7 +207,7 @@ fn groups_that_do_not_fit_are_refused() {
     check(with(json!({"housing": "h7"})), "fits/housing", "unknown class `h7`; known are `G7`, `H6`");
     check(with(json!({"shaft": 5})), "fits/shaft", "string");
     let large = json!({"preset": "6205", group: "C3", "outer_diameter_mm": 600, "fits": {"housing": "H7"}});
-    check(large, "fits/housing", "H7 is for sizes above 0 up to 500 mm, the outer diameter has 600 mm");
+    check(large, "fits/housing", "H7 is for sizes above 0 up to 400 mm, the outer diameter has 600 mm");
     let housing = "fits/housing_outer_diameter_mm";
     check(with(json!({"housing_outer_diameter_mm": 52})), housing, "above the outer diameter of the bearing, 52 mm");
     let hot = of(json!({group: "C3", "temperatures": {"balls_c": 1000}}));
@@ -293,6 +293,18 @@ fn ordered_scenes_resolve_to_themselves() {
         let second = parse_scene_request(again.as_bytes()).unwrap();
         assert_eq!((first.scene(), first.canonical()), (second.scene(), second.canonical()));
     }
+}
+
+/// A study varies the tolerance class of the shaft.
+#[test]
+fn tolerance_classes_are_varied() {
+    let mut study = request(&json!({"preset": "6205/C3", "fits": {"shaft": "k5"}}), &json!("grease"));
+    study["kind"] = json!("study");
+    study["axes"] = json!([{"path": "/bearing/fits/shaft", "values": ["k5", "m5"]}]);
+    let study = parse_job(study.to_string().as_bytes()).unwrap().into_study().unwrap();
+    let [k5, m5] = [0, 1].map(|point| study.point(point).unwrap().scene().bearing.radial_clearance);
+    // m5 lies 6 µm above k5.
+    assert_close(1e6 * (k5 - m5), 0.804 * 6.0, 0.01);
 }
 
 /// A study varies the group, and a shaft takes bearings by designation.

@@ -12,36 +12,36 @@ pub const HOUSING_CLASSES: [&str; 15] =
     ["G7", "H6", "H7", "H8", "J6", "J7", "JS6", "JS7", "K6", "K7", "M6", "M7", "N6", "N7", "P7"];
 
 /// Largest size of a class [mm].
-pub const LARGEST: f64 = 500.0;
+pub const LARGEST: f64 = 400.0;
 
-const STEPS: usize = 13;
+const STEPS: usize = 12;
 /// Largest size of each step [mm].
-const SIZES: [f64; STEPS] = [3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, LARGEST];
+const SIZES: [f64; STEPS] = [3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, LARGEST];
 
 /// Standard tolerances of grades 5 to 8.
 const GRADES: [[f64; STEPS]; 4] = [
-    [4.0, 5.0, 6.0, 8.0, 9.0, 11.0, 13.0, 15.0, 18.0, 20.0, 23.0, 25.0, 27.0],
-    [6.0, 8.0, 9.0, 11.0, 13.0, 16.0, 19.0, 22.0, 25.0, 29.0, 32.0, 36.0, 40.0],
-    [10.0, 12.0, 15.0, 18.0, 21.0, 25.0, 30.0, 35.0, 40.0, 46.0, 52.0, 57.0, 63.0],
-    [14.0, 18.0, 22.0, 27.0, 33.0, 39.0, 46.0, 54.0, 63.0, 72.0, 81.0, 89.0, 97.0],
+    [4.0, 5.0, 6.0, 8.0, 9.0, 11.0, 13.0, 15.0, 18.0, 20.0, 23.0, 25.0],
+    [6.0, 8.0, 9.0, 11.0, 13.0, 16.0, 19.0, 22.0, 25.0, 29.0, 32.0, 36.0],
+    [10.0, 12.0, 15.0, 18.0, 21.0, 25.0, 30.0, 35.0, 40.0, 46.0, 52.0, 57.0],
+    [14.0, 18.0, 22.0, 27.0, 33.0, 39.0, 46.0, 54.0, 63.0, 72.0, 81.0, 89.0],
 ];
 
 /// Distance of a shaft's nearer limit from the nominal size: below it for g, above it for the others. For k up to grade 7.
-const G: [f64; STEPS] = [2.0, 4.0, 5.0, 6.0, 7.0, 9.0, 10.0, 12.0, 14.0, 15.0, 17.0, 18.0, 20.0];
-const K: [f64; STEPS] = [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0, 5.0];
-const M: [f64; STEPS] = [2.0, 4.0, 6.0, 7.0, 8.0, 9.0, 11.0, 13.0, 15.0, 17.0, 20.0, 21.0, 23.0];
-const N: [f64; STEPS] = [4.0, 8.0, 10.0, 12.0, 15.0, 17.0, 20.0, 23.0, 27.0, 31.0, 34.0, 37.0, 40.0];
-const P: [f64; STEPS] = [6.0, 12.0, 15.0, 18.0, 22.0, 26.0, 32.0, 37.0, 43.0, 50.0, 56.0, 62.0, 68.0];
+const G: [f64; STEPS] = [2.0, 4.0, 5.0, 6.0, 7.0, 9.0, 10.0, 12.0, 14.0, 15.0, 17.0, 18.0];
+const K: [f64; STEPS] = [0.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
+const M: [f64; STEPS] = [2.0, 4.0, 6.0, 7.0, 8.0, 9.0, 11.0, 13.0, 15.0, 17.0, 20.0, 21.0];
+const N: [f64; STEPS] = [4.0, 8.0, 10.0, 12.0, 15.0, 17.0, 20.0, 23.0, 27.0, 31.0, 34.0, 37.0];
+const P: [f64; STEPS] = [6.0, 12.0, 15.0, 18.0, 22.0, 26.0, 32.0, 37.0, 43.0, 50.0, 56.0, 62.0];
 /// Lower limit of a shaft of j5 and j6 below the nominal size.
-const J_SHAFT: [f64; STEPS] = [2.0, 2.0, 2.0, 3.0, 4.0, 5.0, 7.0, 9.0, 11.0, 13.0, 16.0, 18.0, 20.0];
+const J_SHAFT: [f64; STEPS] = [2.0, 2.0, 2.0, 3.0, 4.0, 5.0, 7.0, 9.0, 11.0, 13.0, 16.0, 18.0];
 /// Upper limits of holes of J6 and J7.
 const J_HOLE: [[f64; STEPS]; 2] = [
-    [2.0, 5.0, 5.0, 6.0, 8.0, 10.0, 13.0, 16.0, 18.0, 22.0, 25.0, 29.0, 33.0],
-    [4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 18.0, 22.0, 26.0, 30.0, 36.0, 39.0, 43.0],
+    [2.0, 5.0, 5.0, 6.0, 8.0, 10.0, 13.0, 16.0, 18.0, 22.0, 25.0, 29.0],
+    [4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 18.0, 22.0, 26.0, 30.0, 36.0, 39.0],
 ];
 
 /// Largest size [mm] and tolerance of a ring of the normal class, which lies below the nominal size.
-const BORE: [[f64; 2]; 10] = [
+const BORE: [[f64; 2]; 9] = [
     [18.0, 8.0],
     [30.0, 10.0],
     [50.0, 12.0],
@@ -50,10 +50,9 @@ const BORE: [[f64; 2]; 10] = [
     [180.0, 25.0],
     [250.0, 30.0],
     [315.0, 35.0],
-    [400.0, 40.0],
-    [LARGEST, 45.0],
+    [LARGEST, 40.0],
 ];
-const OUTSIDE: [[f64; 2]; 11] = [
+const OUTSIDE: [[f64; 2]; 10] = [
     [18.0, 8.0],
     [30.0, 9.0],
     [50.0, 11.0],
@@ -63,8 +62,7 @@ const OUTSIDE: [[f64; 2]; 11] = [
     [180.0, 25.0],
     [250.0, 30.0],
     [315.0, 35.0],
-    [400.0, 40.0],
-    [LARGEST, 45.0],
+    [LARGEST, 40.0],
 ];
 
 /// Limits of the seat of a class and of the ring on it, lower and upper [µm] from the nominal size.
@@ -240,13 +238,13 @@ mod tests {
         assert_eq!(interference(Seat::shaft("k5", 25.0)), Some(11.5));
         assert_eq!(interference(Seat::housing("H7", 52.0)), Some(-21.5));
         assert_eq!(interference(Seat::housing("P7", 52.0)), Some(29.5));
-        assert_eq!(interference(Seat::shaft("g6", 500.0)), Some(-17.5));
+        assert_eq!(interference(Seat::shaft("g6", 400.0)), Some(-16.0));
     }
 
     #[test]
     fn other_classes_and_sizes_have_no_seat() {
         assert!(["K5", "k4", "", "k", "5", "é5"].into_iter().all(|class| Seat::shaft(class, 25.0).is_none()));
         assert!(["h7", "H5", "P6"].into_iter().all(|class| Seat::housing(class, 52.0).is_none()));
-        assert!([0.0, -1.0, 500.1, f64::NAN].into_iter().all(|size| Seat::shaft("k5", size).is_none()));
+        assert!([0.0, -1.0, 400.1, f64::NAN].into_iter().all(|size| Seat::shaft("k5", size).is_none()));
     }
 }
