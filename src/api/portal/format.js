@@ -106,14 +106,36 @@ function surfacesTitle({ preset, inner = {}, outer = {}, balls = [], every_ball:
     .join(', ');
 }
 
-/** Length, bearings and speed of a shaft or a rigid spindle. */
+/** Name of a lubricant. One without kind is an oil by its viscosities, else grease, as in the API. */
+function lubricantTitle(lubricant) {
+  if (typeof lubricant !== 'object' || lubricant === null) return lubricant;
+  const { kind, viscosity_grade: grade, viscosity_40_mm2_s: viscosity } = lubricant;
+  const usual = grade ? '' : viscosity === undefined ? 'grease' : 'oil';
+  return [kind ?? usual, grade].filter(Boolean).join(' ');
+}
+
+/** Rigid preloads of pairs of bearings, then those by springs. */
+function preloadTitle({ preloads = [], bearings = [] }) {
+  const rigid = preloads.map(({ force_n: force, offset_um: offset }) => (force === undefined ? quantity(offset, 'µm') : quantity(force, 'N')));
+  const springs = bearings.map(({ outer_ring: ring }) => ring?.spring_force_n).filter((force) => force !== undefined);
+  const named = (name, values) => values.length > 0 && `${name} ${unique(values).join(', ')}`;
+  return [named('preload', rigid), named('spring', springs.map((force) => quantity(force, 'N')))].filter(Boolean).join(', ');
+}
+
+const unique = (values) => [...new Set(values)];
+
 const speedOf = ({ speed_rpm: speed }) => (typeof speed === 'number' ? quantity(speed, 'r/min') : 'varying speed');
 
-function shaftTitle({ shaft, bearings = [], supports = [], operation = {} }) {
+/** Length, bearings, speed, preload and lubricants of a shaft or a rigid spindle. */
+function shaftTitle(scene) {
+  const { shaft, bearings = [], supports = [], operation = {} } = scene;
   const length = (shaft?.sections ?? []).reduce((sum, section) => sum + (Number(section.length_mm) || 0), 0);
   const names = bearings.map(({ name, bearing }) => [name, typeof bearing === 'string' ? bearing : bearing?.preset].filter(Boolean).join('\u00a0'));
   const on = [...names, supports.length && `${supports.length} supports`].filter(Boolean).join(', ');
-  return [shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle', on && `on ${on}`, speedOf(operation)].filter(Boolean).join(' · ');
+  const lubricants = unique(bearings.map(({ lubricant }) => lubricantTitle(lubricant)).filter(Boolean)).join(', ');
+  return [shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle', on && `on ${on}`, speedOf(operation), preloadTitle(scene), lubricants]
+    .filter(Boolean)
+    .join(' · ');
 }
 
 /** A one-line title of a request. */
@@ -129,7 +151,7 @@ export function title(request) {
     load && quantity(load, 'N'),
     operation.axial_load_n && `${quantity(operation.axial_load_n, 'N')} axial`,
     spindle.balance_grade && `G\u00a0${number(spindle.balance_grade)}`,
-    lubricant && (lubricant.viscosity_grade ?? lubricant.kind ?? (typeof lubricant === 'string' ? lubricant : 'oil')),
+    lubricantTitle(lubricant),
     surfaces && surfacesTitle(surfaces),
   ];
   const field = ({ path, quantity: derived }) => words((path ?? derived ?? '').split('/').pop().replace(UNIT, ''));
