@@ -91,6 +91,8 @@ async function alone() {
   for (const pointer of ['/scene/bearing/ball_count', '/scene/lubricant/fill', '/scene/lubricant'])
     changed = write(changed, pointer, undefined);
   assert.deepEqual(changed, job);
+  const { title } = await import(`${page}/format.js`);
+  titles(title);
   const { messageList } = await import(`${page}/messages.js`);
   globalThis.document = {
     createElement: () => {
@@ -115,6 +117,34 @@ async function alone() {
   assert.deepEqual(messageList(undefined), []);
   rmSync(page, { recursive: true });
   ok('commands are quoted, requests contain only what was edited, messages are sorted by severity');
+}
+
+/** Titles name the lubricant that the service takes, and the preloads of a shaft. */
+function titles(title) {
+  const of = (lubricant) => title({ scene: { bearing: '6205', operation: { speed_rpm: 3000 }, lubricant } }).split(' · ').slice(2).join();
+  assert.deepEqual(
+    [undefined, {}, 'grease', { kind: 'grease', fill: 0.1 }, { viscosity_pa_s: 0.02 }].map(of),
+    ['', 'grease', 'grease', 'grease', 'grease'],
+  );
+  assert.deepEqual(
+    [
+      'oil',
+      { kind: 'oil' },
+      { viscosity_grade: 'iso-vg-46', temperature_c: 60 },
+      { kind: 'grease', viscosity_grade: 'iso-vg-46', temperature_c: 60 },
+      { viscosity_40_mm2_s: 46, viscosity_100_mm2_s: 6.64, temperature_c: 60 },
+    ].map(of),
+    ['oil', 'oil', 'iso-vg-46', 'grease iso-vg-46', 'oil'],
+  );
+  const shaft = (more, bearing = {}) => {
+    const bearings = ['A', 'B'].map((name) => ({ name, bearing: '7008C', ...bearing }));
+    return title({ scene: { shaft: { sections: [{ length_mm: 300 }] }, bearings, operation: { speed_rpm: 3000 }, ...more } }).replaceAll('\u00a0', ' ');
+  };
+  const start = 'Shaft 300 mm · on A 7008C, B 7008C · 3000 r/min';
+  assert.equal(shaft({}), start);
+  assert.equal(shaft({ preloads: [{ between: ['A', 'B'], force_n: 200 }] }, { lubricant: 'oil' }), `${start} · preload 200 N · oil`);
+  assert.equal(shaft({ preloads: [{ between: ['A', 'B'], offset_um: 5 }] }), `${start} · preload 5 µm`);
+  assert.equal(shaft({}, { outer_ring: { seat: 'sliding', spring_force_n: 150 }, lubricant: {} }), `${start} · spring 150 N · grease`);
 }
 
 /** A page that notes everything that must not happen. `expected(status, path)`: refusals that the check provokes, which Chromium itself logs; status 0: no connection. */
@@ -237,6 +267,9 @@ async function orderedByName(page) {
   await page.getByText('Catalogue, 6206').waitFor();
   await field(page, '/scene/bearing/fits/shaft_interference_um').fill('10');
   await page.waitForFunction(() => document.body.textContent.includes('Shaft fit'));
+  await field(page, '/scene/bearing/fits/shaft_interference_um').fill('');
+  await field(page, '/scene/bearing/fits/shaft').selectOption('k5');
+  await page.getByText('Shaft fit, k5').waitFor();
   await field(page, '/scene/lubricant/viscosity_grade').selectOption('iso-vg-46');
   await page.locator('#f-scene-lubricant-temperature_c-error').filter({ hasText: 'required' }).waitFor();
   await field(page, '/scene/lubricant/temperature_c').fill('80');

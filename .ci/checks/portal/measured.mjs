@@ -104,6 +104,8 @@ function files({ readMeasured }) {
   assert.deepEqual(values(csv('recorder X\nno 5\nms\tg\n0\t1\n0.5\t2\n1.0\t3\n')), [1, 2, 3]);
   assert.equal(csv('time_ms,acc_g\n0,1\n0.5,2\n1.0,3\n').rate_hz, 2000);
   assert.equal(csv('acc_g\n1\n2\n').unit, 'g');
+  for (const heading of ['m/s²', 'acc [m/s²]', 'acc (m/s^2)', 'acc m/s2']) assert.equal(csv(`${heading}\n1\n2\n`).unit, 'm/s2', heading);
+  assert.equal(csv('[µm/s]\n1\n2\n').unit, 'um/s');
   assert.throws(() => csv('1\n2\nx\n'), /Line 3: 1 numbers expected, found “x”/);
   assert.throws(() => csv('a\nb\n'), /no row of numbers/);
   assert.throws(() => readMeasured(new ArrayBuffer(65 * 1024 * 1024)), /at most 64 MB/);
@@ -140,7 +142,11 @@ function files({ readMeasured }) {
   assert.throws(() => readMeasured(buffer('    -1\n   151\nname\n    -1\n')), /no dataset 58/);
 }
 
-function spectra({ spectrumOf, linesOf, peaksOf, comparedLines, comparedLevels, byAngle, pulsesOf, bandOf }, { readMeasured }) {
+function spectra({ spectrumOf, linesOf, peaksOf, comparedLines, comparedLevels, byAngle, pulsesOf, bandOf, requireVibration }, { readMeasured }) {
+  const constant = readMeasured(text('acc_g\n0.3\n0.3\n0.3\n')).columns[0];
+  assert.throws(() => requireVibration(constant), /All values of acc_g are 0.3: there is no vibration to compare/);
+  assert.throws(() => requireVibration({ name: 'zeros', values: new Float64Array(5) }), /are 0: there is no vibration/);
+  requireVibration({ name: 'offset', values: signal().map((value) => 1e3 + 1e-6 * value) });
   const predicted = spectrumOf(signal(), RATE, 1);
   assert.deepEqual([predicted.resolution_hz, predicted.averages, predicted.highest_hz], [1, 1, 20480]);
   near(predicted.amplitude[800], 0.5, 1e-9, 'a tone on a bin reads its amplitude');
@@ -203,6 +209,9 @@ export async function onResult(page, say) {
   const wrong = { name: 'measured.csv', mimeType: 'text/csv', buffer: Buffer.from('1\n2\nx\n') };
   await panel.locator('input[type=file]').setInputFiles(wrong);
   await panel.getByText('Line 3: 1 numbers expected').waitFor();
+  const constant = { name: 'constant.csv', mimeType: 'text/csv', buffer: Buffer.from(`acc_g\n${'0.3\n'.repeat(20)}`) };
+  await panel.locator('input[type=file]').setInputFiles(constant);
+  await panel.getByText('there is no vibration to compare').waitFor();
   page.off('request', note);
   assert.deepEqual(sent, [], 'no file leaves the browser');
   say('a measured file is drawn over a result, compared by order, and never sent');

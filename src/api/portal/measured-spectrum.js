@@ -19,6 +19,18 @@ const PASS = 0.4;
 /** Least number of pulses: the slope at each is that between its neighbours. */
 const FEWEST_PULSES = 3;
 
+/** Variation of a record over its largest value that is rounding, as in the API. */
+const ROUNDING = 1e-12;
+
+/** Refuses a signal whose values are all equal: its levels would be 0. */
+export function requireVibration({ name, values }) {
+  const [least, most] = rangeOf(values);
+  if (most - least <= ROUNDING * Math.max(Math.abs(least), Math.abs(most))) throw new Error(`All values of ${name} are ${most}: there is no vibration to compare.`);
+}
+
+/** Least and greatest value. */
+const rangeOf = (values) => values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+
 /** Values of a signal at equal angles in place of equal times, by the times of pulses [s]: `{ values, speed_hz }` at the same rate. A frequency is
  *  then an order times the mean speed. */
 export function byAngle(values, rate, pulses, perTurn) {
@@ -42,7 +54,7 @@ export function byAngle(values, rate, pulses, perTurn) {
 
 /** Times at which a signal rises through the middle of its range [s]. */
 export function pulsesOf(signal, rate) {
-  const [least, most] = signal.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+  const [least, most] = rangeOf(signal);
   const threshold = (least + most) / 2;
   const armedBelow = threshold - 0.1 * (most - least);
   const pulses = [];

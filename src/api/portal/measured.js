@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { h, labelled, lineName, select, table, tools } from './dom.js';
 import { channelName, number, plainNumber, quantity } from './format.js';
 import { readMeasured } from './measured-files.js';
-import { byAngle, comparedLevels, comparedLines, linesOf, peaksOf, pulsesOf, spectrumOf } from './measured-spectrum.js';
+import { byAngle, comparedLevels, comparedLines, linesOf, peaksOf, pulsesOf, requireVibration, spectrumOf } from './measured-spectrum.js';
 import { usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 
@@ -158,7 +158,9 @@ export class MeasuredPanel {
       const channel = this.fields.channel.value;
       if (motion !== motionOf(channel)) throw new Error(`The unit is that of a ${motion}. Choose a predicted ${motion}, or another unit.`);
       const factor = gain * size * (this.read.hasFullScale ? this.#positive('fullScale', 'Full scale') : 1);
-      let values = this.read.columns[Number(this.fields.column.value)].values;
+      const column = this.read.columns[Number(this.fields.column.value)];
+      requireVibration(column);
+      let { values } = column;
       let speed = 0;
       if (this.fields.tachometer.value === '') speed = this.#positive('speed', 'Shaft speed') / 60;
       else {
