@@ -17,7 +17,7 @@ use crate::contract::job::rotor::RotorJob;
 use crate::contract::json::units::{DEG, MM, MRAD, RPM, UM};
 use crate::contract::scene::housing::PartInput;
 use crate::contract::scene::rotor_bearings::RotorBearingInput;
-use crate::contract::scene::rotor_scene::SensorInput;
+use crate::contract::scene::sensor::SensorInput;
 
 /// Result of a rotor job. Phases are those of cos(Ωt + phase), t = 0 where the shaft's angle is 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -23,6 +23,7 @@ pub mod outer_ring;
 mod rigid_spindle;
 pub mod rotor_bearings;
 pub mod rotor_scene;
+pub mod sensor;
 pub mod shaft;
 mod shaft_loads;
 mod springs;

@@ -4,25 +4,24 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::housing::{HousingInput, PartInput, body};
+use super::housing::{HousingInput, PartInput};
 use super::loads::{LoadInput, LoadedBody};
-use super::names::check_name;
 use super::operation::{SPEED, SpeedInput, outer_speed};
 use super::rotor_bearings::{self, PreloadInput, RotorBearingInput};
 use super::scene_input::ResolvedScene;
-use super::shaft::{ElementsName, ShaftInput, check_place};
-use super::shaft_loads::{self, held_along_x};
+use super::sensor::{self, SensorInput};
+use super::shaft::{ElementsName, ShaftInput};
+use super::shaft_loads;
 use super::spindle::SpindleInput;
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list, optional_object};
 use crate::contract::json::units::MM;
 use raceway_core::physics::defaults::GRAVITY;
-use raceway_core::physics::frame::shaft::Shaft;
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::operation::SpeedProfile;
 use raceway_core::rotor::input::{Elements, Rotor};
-use raceway_core::rotor::sensor::{Part, Sensor};
+use raceway_core::rotor::sensor::Sensor;
 
 /// A shaft, or a rigid spindle, on its supports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -65,37 +64,6 @@ pub struct RotorSceneInput {
     pub gravity_m_s2: Option<f64>,
 }
 
-/// A sensor on the shaft, or on a body or port of the housing. Its channels are `sensor.NAME.displacement`, `.velocity` and `.acceleration`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SensorInput {
-    /// Name: a letter, then letters, digits, `_` or `-`, at most 32.
-    #[schema(pattern = "^[A-Za-z][A-Za-z0-9_-]{0,31}$", example = "probe")]
-    pub name: String,
-    /// `shaft`, or the name of a body or port of the housing that it sits on. Default `shaft`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, max_length = 32, example = "shaft")]
-    pub on: Option<String>,
-    /// What it measures from, at the same place: `shaft`, or the name of a body or port of the housing. Default: the ground.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, max_length = 32, example = "head")]
-    pub relative_to: Option<String>,
-    /// Place along the shaft [mm]; of a sensor that has nothing to do with the shaft also beyond its ends.
-    #[schema(example = 150.0)]
-    pub at_mm: f64,
-    /// Direction in which it measures.
-    pub direction: DirectionName,
-}
-
-/// Direction of the inertial frame: `x` along the shaft, `y` along gravity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum DirectionName {
-    X,
-    Y,
-    Z,
-}
-
 /// Speed, and loads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -122,7 +90,6 @@ pub struct RotorOperationInput {
     pub loads: Option<Vec<LoadInput>>,
 }
 
-const MAX_SENSORS: usize = 16;
 /// Length of a rigid spindle with one place, and the longest [mm].
 const SHORTEST_SPINDLE_MM: f64 = 1.0;
 const LONGEST_SPINDLE_MM: f64 = 20_000.0;
@@ -238,7 +205,7 @@ impl RotorSceneInput {
         let loads = shaft_loads::resolve(&mut self.operation.loads, on, speed.largest(), defaults);
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
         let inputs = self.sensors.as_deref().unwrap_or_default();
-        let sensors = sensors((inputs, self.housing.as_ref()), defaults, on);
+        let sensors = sensor::resolve((inputs, self.housing.as_ref()), defaults, on);
         ResolvedRotor {
             rotor: Rotor {
                 shaft,
@@ -291,55 +258,4 @@ fn shaft_speed(input: &SpeedInput, defaults: &mut Defaults) -> SpeedProfile {
     }
     let profile = if defaults.errors.len() == known_errors { input.resolve(SPEED, defaults) } else { None };
     profile.unwrap_or_else(SpeedProfile::at_rest)
-}
-
-/// The part with a name; `None` without one, and after an error.
-fn part(
-    housing: Option<&HousingInput>,
-    name: Option<&String>,
-    defaults: &mut Defaults,
-    pointer: String,
-) -> Option<Part> {
-    match name {
-        Some(name) if name == "shaft" => Some(Part::Shaft),
-        name => body(housing, name, defaults, pointer).map(Part::Housing),
-    }
-}
-
-/// The sensors in SI. Errors are noted in `defaults`.
-fn sensors(
-    (inputs, housing): (&[SensorInput], Option<&HousingInput>),
-    defaults: &mut Defaults,
-    (of_shaft, shaft, length_mm): (LoadedBody, &Shaft, f64),
-) -> Vec<Sensor> {
-    const POINTER: &str = "/scene/sensors";
-    if inputs.len() > MAX_SENSORS {
-        defaults.refuse(POINTER, format!("{} sensors: at most {MAX_SENSORS}", inputs.len()));
-    }
-    let mut sensors = Vec::with_capacity(inputs.len());
-    for (index, sensor) in inputs.iter().enumerate() {
-        let at = format!("{POINTER}/{index}");
-        check_name(&sensor.name, defaults, &at);
-        if inputs[..index].iter().any(|other| other.name == sensor.name) {
-            defaults.refuse(format!("{at}/name"), format!("`{}` is the name of another sensor", sensor.name));
-        }
-        let on = part(housing, sensor.on.as_ref(), defaults, format!("{at}/on")).unwrap_or(Part::Shaft);
-        let relative_to = part(housing, sensor.relative_to.as_ref(), defaults, format!("{at}/relative_to"));
-        if relative_to == Some(on) {
-            defaults.refuse(format!("{at}/relative_to"), "must be another part than the one that the sensor sits on");
-        }
-        let axis = sensor.direction as usize;
-        let (name, place) = (sensor.name.clone(), MM.to_si(sensor.at_mm));
-        let resolved = Sensor { name, on, relative_to, at: place, axis };
-        if resolved.concerns_shaft() {
-            check_place(defaults, (&at, "at_mm"), sensor.at_mm, length_mm);
-        } else {
-            defaults.check_of_rotor(&format!("{at}/at_mm"), sensor.at_mm);
-        }
-        if sensor.direction == DirectionName::X && on == Part::Shaft && !shaft.is_axially_free {
-            defaults.refuse(format!("{at}/direction"), held_along_x(of_shaft));
-        }
-        sensors.push(resolved);
-    }
-    sensors
 }

@@ -2,7 +2,7 @@
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::Machine;
+use super::input::{Machine, Sensor};
 use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
@@ -45,7 +45,7 @@ pub struct BearingRecord {
 pub(crate) struct Recorder<'m> {
     dynamics: &'m MachineDynamics,
     channels: Vec<MachineChannel>,
-    sensors: Vec<usize>,
+    sensors: Vec<Sensor>,
     start: f64,
     values: usize,
     /// Samples per value, samples before the first value, and samples so far.
@@ -71,7 +71,7 @@ impl<'m> Recorder<'m> {
         let lead = if start * RATE * oversampling as f64 >= decimator.delay() as f64 { decimator.delay() } else { 0 };
         let values = kept_values(duration);
         Self {
-            sensors: machine.sensors.iter().map(|sensor| sensor.axis).collect(),
+            sensors: machine.sensors.clone(),
             course: Course::new(channels.len()),
             places: Places {
                 rings: vec![Moved::default(); dynamics.bearings.len()],
@@ -173,7 +173,7 @@ impl<'m> Recorder<'m> {
                 MachineChannel::Moment(bearing, axis) => -stepper.wrench(bearing)[tilt(axis)],
                 MachineChannel::CageSpeed(bearing) => stepper.bearings()[bearing].cage_speed(time),
                 MachineChannel::BallSpin(bearing) => stepper.bearings()[bearing].spin(0, time)[0],
-                MachineChannel::Sensor(sensor, motion) => sensors[sensor].of(motion)[self.sensors[sensor]],
+                MachineChannel::Sensor(sensor, motion) => self.sensors[sensor].reading(*sensors[sensor].of(motion)),
                 MachineChannel::Body(body, axis, motion) => bodies[body].of(motion)[axis as usize],
             };
         }

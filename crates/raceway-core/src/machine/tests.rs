@@ -97,7 +97,8 @@ fn motor_spindle() -> Machine {
 }
 
 fn on_shaft(name: &str, at: f64, axis: Axis) -> Sensor {
-    Sensor { name: name.to_owned(), on: Part::Shaft, relative_to: None, at, axis: axis as usize }
+    let along = std::array::from_fn(|index| f64::from(index == axis as usize));
+    Sensor { name: name.to_owned(), on: Part::Shaft, relative_to: None, at, along }
 }
 
 fn started(machine: &Machine) -> (MachineDynamics, Vec<f64>) {

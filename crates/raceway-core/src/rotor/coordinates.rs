@@ -1,6 +1,6 @@
 //! Coordinates of a rotor: free modes and residual vectors of its shaft, along X and in two planes, and the motions of its housing.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::housing::HousingCoordinates;
 use super::input::{PlacedLoad, Rotor, RotorError};
@@ -132,12 +132,11 @@ impl Coordinates {
     pub fn reading(&self, sensor: &Sensor) -> DVector<f64> {
         let of = |part: Part| match part {
             // Forces and displacements of a place are the same shares of the coordinates.
-            Part::Shaft => {
-                let mut unit = [0.0; 3];
-                unit[sensor.axis] = 1.0;
-                DVector::from_vec(self.force(sensor.at, unit))
+            Part::Shaft => DVector::from_vec(self.force(sensor.at, sensor.along)),
+            Part::Housing(part) => {
+                let rows = self.housing.part(Some(part), sensor.at);
+                rows.rows(0, 3).transpose() * Vector3::from(sensor.along)
             }
-            Part::Housing(part) => self.housing.part(Some(part), sensor.at).row(sensor.axis).transpose(),
         };
         match sensor.relative_to {
             None => of(sensor.on),

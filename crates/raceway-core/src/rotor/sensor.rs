@@ -9,8 +9,8 @@ pub struct Sensor {
     pub relative_to: Option<Part>,
     /// Place along the shaft [m].
     pub at: f64,
-    /// Direction: 0 along X, 1 along Y, 2 along Z.
-    pub axis: usize,
+    /// Direction along X, Y, Z, of length 1.
+    pub along: [f64; 3],
 }
 
 /// What a sensor sits on, or measures from.
@@ -22,6 +22,12 @@ pub enum Part {
 }
 
 impl Sensor {
+    /// What it reads where its place moves, of which the first three are along X, Y, Z.
+    pub fn reading(&self, [x, y, z, ..]: [f64; 5]) -> f64 {
+        let [along_x, along_y, along_z] = self.along;
+        along_x * x + along_y * y + along_z * z
+    }
+
     /// Whether it measures the shaft, or from it.
     pub fn concerns_shaft(&self) -> bool {
         self.on == Part::Shaft || self.relative_to == Some(Part::Shaft)

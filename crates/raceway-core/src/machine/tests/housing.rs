@@ -130,7 +130,7 @@ fn sensors_on_a_body_show_the_linear_response() {
         on,
         relative_to,
         at: 0.2,
-        axis: 1,
+        along: [0.0, 1.0, 0.0],
     };
     let body = Part::Housing(0);
     machine.sensors =
