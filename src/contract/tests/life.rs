@@ -153,7 +153,7 @@ fn the_torque_of_the_6205_is_near_the_empirical_one() {
     let torque = |radial: f64, axial: f64, expected: f64| {
         let mut request = scene(json!({}), 3000.0, oil.clone());
         request["scene"]["operation"] = json!({"speed_rpm": 3000, "radial_load_y_n": radial, "axial_load_n": axial});
-        let run = json!({"kind": "simulation", "duration_s": 0.05, "settle_s": 0.05, "solver": {"rung": "full"},
+        let run = json!({"kind": "simulation", "duration_s": 0.02, "settle_s": 0.02, "solver": {"rung": "full"},
             "outputs": {"metrics": ["friction"], "spectra": []}});
         merge(&mut request, run);
         let job = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{refusal}"));
