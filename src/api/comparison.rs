@@ -16,8 +16,8 @@ use super::request::{JobId, JsonBody, NoQuery, Query, negotiated};
 use super::stored_answer::{JSON, read, spectrum_of};
 use crate::contract::job::measurement::MeasurementInput;
 use crate::contract::{
-    FieldError, Job, JobKind, MachineAnswer, MeasuredAnswer, Measurement, Metrics, Prediction, Refusal, SpectrumKind,
-    Uploads, parse_job_with,
+    FieldError, Job, JobKind, MachineAnswer, MeasuredAnswer, MeasurementRequest, Metrics, Prediction, Refusal,
+    SpectrumKind, Uploads, parse_job_with, unit_factor,
 };
 use crate::jobs::{JobError, Signal};
 
@@ -44,11 +44,17 @@ pub async fn compare(
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
     let kept = app.jobs.channels(&owner, id, Signal::Amplitude).await?;
-    let uploads = app.jobs.named_series(&owner, &body).await?;
-    let measurement = computed(&permit, move |_| Measurement::read(&body, &uploads)).await??;
-    let channel = kept_channel(measurement.channel.as_ref(), &kept)?;
+    let request = MeasurementRequest::read(&body)?;
+    let channel = kept_channel(request.channel(), &kept)?;
+    unit_factor(request.unit(), channel)?;
     let prediction = prediction(&app, &owner, id, &permit, channel).await?;
-    let compared = computed(&permit, move |stop| MeasuredAnswer::of(&measurement, &prediction, stop)).await??;
+    let place = permit.comparison_place().await?;
+    let uploads = app.jobs.named_series(&owner, &body).await?;
+    let compared = computed(&permit, move |stop| {
+        let _held = place;
+        MeasuredAnswer::of(&request.with(&uploads)?, &prediction, stop)
+    });
+    let compared = compared.await??;
     Ok(Json(compared.ok_or(ApiError::Internal)?).into_response())
 }
 

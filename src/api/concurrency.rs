@@ -34,6 +34,9 @@ const WORK_TIMEOUT: Duration = Duration::from_secs(60);
 /// Largest number of time series being sent: some have a hundred megabytes, and a slow client reads slowly.
 const MAX_SERIES: usize = 8;
 
+/// Comparisons with a record that are computed at once. Each takes a core for seconds and a hundred megabytes; later ones wait.
+const MAX_COMPARISONS: usize = 2;
+
 /// Largest total size of request bodies in memory [B].
 const MAX_BODY_BYTES: usize = 64 << 20;
 
@@ -49,6 +52,7 @@ pub struct Concurrency {
     /// Largest number of followers of one owner.
     followers_per_owner: usize,
     series: Arc<Semaphore>,
+    comparisons: Arc<Semaphore>,
     bodies: Arc<Semaphore>,
 }
 
@@ -61,6 +65,7 @@ impl Default for Concurrency {
             followers_of_owners: Arc::default(),
             followers_per_owner: MAX_FOLLOWERS / 2,
             series: permits(MAX_SERIES),
+            comparisons: permits(MAX_COMPARISONS),
             bodies: permits(MAX_BODY_BYTES / BODY_UNIT),
         }
     }
@@ -207,6 +212,14 @@ impl RequestPermit {
         self.set(None);
     }
 
+    /// A place for a comparison with a record; waits for one.
+    pub async fn comparison_place(&self) -> Result<OwnedSemaphorePermit, ApiError> {
+        // The wait is for the computations of others.
+        let _computing = self.computing();
+        let place = Arc::clone(&self.concurrency.comparisons).acquire_owned().await;
+        place.map_err(|_| ApiError::Internal)
+    }
+
     fn set(&self, permit: Option<HeldPermit>) {
         *self.held() = permit;
     }
@@ -283,6 +296,18 @@ mod tests {
         assert!(matches!(permit.expired().await, ApiError::TooLong { limit_s: 60 }));
         drop(computing);
         assert!(matches!(permit.expired().await, ApiError::Job(JobError::NotWritable)));
+    }
+
+    /// A third comparison waits for one of two.
+    #[tokio::test]
+    async fn comparisons_wait_for_a_place() {
+        let permit = RequestPermit::new(Concurrency::default());
+        let (one, _other) = (permit.comparison_place().await.unwrap(), permit.comparison_place().await.unwrap());
+        let mut third = Box::pin(permit.comparison_place());
+        let waited = tokio::time::timeout(Duration::from_millis(20), &mut third).await;
+        assert!(waited.is_err() && permit.is_computing.load(Ordering::Relaxed));
+        drop(one);
+        assert!(third.await.is_ok() && !permit.is_computing.load(Ordering::Relaxed));
     }
 
     #[test]

@@ -29,8 +29,8 @@ use super::uploaded_series::{self, SeriesQuery as SeriesUpload};
 use super::{conditional, error_layers, plots, portal, preview, scenes};
 use crate::contract::answer::signals::SpectrumScaling;
 use crate::contract::{
-    Measurement, SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job, parse_machine_request,
-    parse_rotor_request, parse_scene_request,
+    MeasurementRequest, SeriesAnswer, SpectrumAnswer, SpectrumKind, Uploads, parse_batch, parse_job,
+    parse_machine_request, parse_rotor_request, parse_scene_request,
 };
 
 /// The service.
@@ -162,7 +162,7 @@ async fn comparison(
     JsonBody(body): JsonBody,
 ) -> Result<Response, ApiError> {
     negotiated(&headers, &[JSON])?;
-    Measurement::read(&body, &Uploads::stand_in())?;
+    MeasurementRequest::read(&body)?.with(&Uploads::stand_in())?;
     Ok(StatusCode::OK.into_response())
 }
 

@@ -15,7 +15,7 @@ pub use answer::failure::RunFailure;
 pub use answer::machine::{MachineAnswer, MachineOutcome};
 pub use answer::machine_plan::MachinePlanAnswer;
 pub use answer::measured::MeasuredAnswer;
-pub use answer::measured_comparison::Prediction;
+pub use answer::measured_comparison::{Prediction, unit_factor};
 pub use answer::metrics::{ChannelAnswer, LineAnswer, Metrics};
 pub use answer::optimum::OptimumAnswer;
 pub use answer::point::{PointEnd, PointStatus};
@@ -30,7 +30,7 @@ pub use answer::work_precision::result::WorkPrecisionAnswer;
 pub use job::checked::Job;
 pub use job::cost::estimate;
 pub use job::kind::JobKind;
-pub use job::measurement::Measurement;
+pub use job::measurement::{Measurement, MeasurementRequest};
 pub use job::parse::{
     parse_accuracy_request, parse_batch, parse_job, parse_job_or_scene, parse_job_with, parse_machine_request,
     parse_optimum_request, parse_rotor_request, parse_scene_request, parse_scene_request_with, parse_study_request,

@@ -20,7 +20,7 @@ use super::store::series_reader::StoredSeries;
 use super::store::signal::Signal;
 use super::store::studies::{self, StoredPoint};
 use super::store::tokens::Token;
-use super::store::uploaded_series::{PackedSeries, UploadedSeries};
+use super::store::uploaded_series::{PackedSeries, UploadedSeries, uploads};
 use super::store::{maintenance, removal, submissions};
 use crate::contract::{Job, JobKind, SpectrumAnswer, SpectrumKind, Uploads, named_series};
 
@@ -96,7 +96,8 @@ impl Jobs {
         if hashes.is_empty() {
             return Ok(Uploads::default());
         }
-        self.parts.store.note(in_time(self.parts.store.named_series(owner, &hashes)).await)
+        let packed = self.parts.store.note(in_time(self.parts.store.packed_series(owner, &hashes)).await)?;
+        uploads(packed).await
     }
 
     /// A job with its current progress.

@@ -30,6 +30,7 @@ use super::store::dialect::Dialect;
 use super::store::part_names::REQUEST;
 use super::store::results::StoredResult;
 use super::store::turns::{Turn, TurnLimits};
+use super::store::uploaded_series::uploads;
 use crate::contract::{self, RunFailure, Uploads};
 
 /// Runs jobs.
@@ -211,7 +212,8 @@ impl Worker {
     /// The series that a request names. Those that are gone are left out, and the run says so.
     pub(super) async fn uploads(&self, owner: &str, request: Option<&str>) -> Result<Uploads, JobError> {
         let hashes = contract::named_series(request.unwrap_or_default().as_bytes());
-        match self.store.named_series(owner, &hashes).await {
+        let read = async { uploads(self.store.packed_series(owner, &hashes).await?).await };
+        match read.await {
             Err(JobError::SeriesExpired { .. } | JobError::ResultCorrupt { .. }) => Ok(Uploads::default()),
             uploads => uploads,
         }

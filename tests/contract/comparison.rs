@@ -80,6 +80,11 @@ fn wrong_comparisons_are_refused() {
     assert_eq!(pointers(&with(json!({ "channel": "cage.speed" }))), ["/channel"]);
     assert_eq!(pointers(&with(json!({ "unit": "um" }))), ["/unit"]);
     assert_eq!(pointers(&with(json!({ "series": "0b".repeat(32) }))), ["/series"]);
+    // Fields that need no record are refused before it is looked for.
+    let unknown = "0b".repeat(32);
+    assert_eq!(pointers(&with(json!({ "series": unknown, "channel": "cage.speed" }))), ["/channel"]);
+    assert_eq!(pointers(&with(json!({ "series": unknown, "unit": "um" }))), ["/unit"]);
+    assert_eq!(pointers(&with(json!({ "series": unknown, "bands_hz": [300, 50] }))), ["/bands_hz/1"]);
     assert_eq!(
         pointers(&with(json!({ "speed_rpm": 0, "gain": 0, "bands_hz": [5] }))),
         ["/speed_rpm", "/gain", "/bands_hz"]

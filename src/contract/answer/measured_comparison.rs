@@ -13,7 +13,7 @@ use super::measured::{
 use super::metrics::LineAnswer;
 use super::signals::{SpectrumAnswer, SpectrumKind, unit_of_envelope};
 use super::spectrum_view::SpectrumQuantity;
-use crate::contract::job::measurement::Measurement;
+use crate::contract::job::measurement::{MeasuredUnit, Measurement};
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::{FieldError, Refusal};
 
@@ -47,7 +47,7 @@ impl MeasuredAnswer {
         stop: &dyn Fn() -> bool,
     ) -> Result<Option<Self>, Refusal> {
         let predicted = &prediction.spectrum;
-        let factor = factor(measurement, predicted)?;
+        let factor = unit_factor(measurement.unit, &predicted.channel)? * measurement.gain.unwrap_or(1.0);
         let scaled: Vec<f64> = measurement.record().values.iter().map(|value| factor * value).collect();
         let record = Record { values: &scaled, ..measurement.record() };
         let highest = record.highest_frequency();
@@ -119,13 +119,13 @@ const TRANSFER: &str = "level_ratio_db is an apparent transfer from the bearing 
 const AMPLITUDES: f64 = 20.0;
 const SQUARES: f64 = 10.0;
 
-/// Factor from measured values to those of the channel.
-fn factor(measurement: &Measurement, predicted: &SpectrumAnswer) -> Result<f64, Refusal> {
-    let (motion, size) = measurement.unit.of_channels();
-    match SpectrumQuantity::of(&predicted.channel) {
-        Some(quantity) if quantity.name() == motion => Ok(size * measurement.gain.unwrap_or(1.0)),
+/// Factor from values in a measured unit to those of a channel; a refusal where the channel is of another motion.
+pub fn unit_factor(unit: MeasuredUnit, channel: &str) -> Result<f64, Refusal> {
+    let (motion, size) = unit.of_channels();
+    match SpectrumQuantity::of(channel) {
+        Some(quantity) if quantity.name() == motion => Ok(size),
         _ => {
-            let detail = format!("a unit of {motion}, but the channel is `{}`", predicted.channel);
+            let detail = format!("a unit of {motion}, but the channel is `{channel}`");
             Err(FieldError::new("/unit", detail).into())
         }
     }
@@ -309,6 +309,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::contract::job::measurement::MeasurementRequest;
     use crate::contract::json::uploads::Uploads;
 
     const CHANNEL: &str = "spindle.y.acceleration";
@@ -330,7 +331,7 @@ mod tests {
         let uploads = Uploads::new(BTreeMap::from([(HASH.to_owned(), Arc::new(Samples::new(rate, values).unwrap()))]));
         let mut request = json!({ "series": HASH, "unit": "m/s2" });
         request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
-        Measurement::read(request.to_string().as_bytes(), &uploads).unwrap()
+        MeasurementRequest::read(request.to_string().as_bytes()).unwrap().with(&uploads).unwrap()
     }
 
     /// The prediction: 1 s of the signal at 3000 r/min.

@@ -103,26 +103,75 @@ const SPEEDS_RPM: [f64; 2] = [0.1, 500_000.0];
 const GAINS: [f64; 2] = [1e-6, 1e6];
 const MOST_PULSES: usize = 50_000;
 
+/// A request whose fields are checked as far as they can be without the record, which takes seconds to read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasurementRequest(MeasurementInput);
+
+impl MeasurementRequest {
+    pub fn read(body: &[u8]) -> Result<Self, Refusal> {
+        let value = strict::read(body)?;
+        let (input, mut errors) = typed_with_errors::<MeasurementInput>(&value);
+        if let Some(input) = &input {
+            input.check(&mut errors);
+        }
+        input.filter(|_| errors.is_empty()).map(Self).ok_or(Refusal::Invalid { errors })
+    }
+
+    /// The named channel.
+    pub fn channel(&self) -> Option<&String> {
+        self.0.channel.as_ref()
+    }
+
+    pub fn unit(&self) -> MeasuredUnit {
+        self.0.unit
+    }
+
+    /// The measurement, with the series that the request may name.
+    pub fn with(self, uploads: &Uploads) -> Result<Measurement, Refusal> {
+        let mut errors = Vec::new();
+        let measurement = Measurement::of(self.0, uploads, &mut errors);
+        measurement.filter(|_| errors.is_empty()).ok_or(Refusal::Invalid { errors })
+    }
+}
+
+impl MeasurementInput {
+    /// Checks what does not depend on the record.
+    fn check(&self, errors: &mut Vec<FieldError>) {
+        match (self.speed_rpm, &self.tachometer) {
+            (Some(speed), None) => check(speed, SPEEDS_RPM, "r/min", "/speed_rpm", errors),
+            (None, Some(tachometer)) => {
+                let error = tachometer.error();
+                errors.extend(error.map(|(field, detail)| FieldError::new(format!("/tachometer{field}"), detail)));
+            }
+            (Some(_), Some(_)) => {
+                errors.push(FieldError::new("/speed_rpm", "leave it out: the tachometer gives the speed"));
+            }
+            (None, None) => {
+                let detail = "required, but missing: give `speed_rpm`, or a `tachometer`, because orders need the measured speed";
+                errors.push(FieldError::new("/speed_rpm", detail));
+            }
+        }
+        if let Some(gain) = self.gain {
+            check(gain, GAINS, "", "/gain", errors);
+        }
+        if let Some(edges) = &self.bands_hz {
+            errors.extend(band_edge_errors("/bands_hz", edges));
+        }
+    }
+}
+
 /// A checked measured record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measurement {
     samples: Arc<Samples>,
     turning: Turning,
     pub unit: MeasuredUnit,
-    pub channel: Option<String>,
     pub band_edges: Vec<f64>,
     pub gain: Option<f64>,
 }
 
 impl Measurement {
-    /// Reads a request that may name these series.
-    pub fn read(body: &[u8], uploads: &Uploads) -> Result<Self, Refusal> {
-        let value = strict::read(body)?;
-        let (input, mut errors) = typed_with_errors::<MeasurementInput>(&value);
-        let measurement = input.and_then(|input| Self::of(input, uploads, &mut errors));
-        measurement.filter(|_| errors.is_empty()).ok_or(Refusal::Invalid { errors })
-    }
-
+    /// Of checked fields.
     fn of(input: MeasurementInput, uploads: &Uploads, errors: &mut Vec<FieldError>) -> Option<Self> {
         let samples = uploads.get(&input.series);
         match samples.as_ref().map(|samples| no_vibration(samples.values())) {
@@ -132,32 +181,14 @@ impl Measurement {
         }
         let end = samples.as_ref().map(|samples| samples.end());
         let turning = match (input.speed_rpm, &input.tachometer) {
-            (Some(speed), None) => {
-                check(speed, SPEEDS_RPM, "r/min", "/speed_rpm", errors);
-                Some(Turning::Even(speed / 60.0))
-            }
-            (None, Some(tachometer)) => tachometer.turning(end, uploads, errors),
-            (Some(_), Some(_)) => {
-                errors.push(FieldError::new("/speed_rpm", "leave it out: the tachometer gives the speed"));
-                None
-            }
-            (None, None) => {
-                let detail = "required, but missing: give `speed_rpm`, or a `tachometer`, because orders need the measured speed";
-                errors.push(FieldError::new("/speed_rpm", detail));
-                None
-            }
+            (Some(speed), _) => Some(Turning::Even(speed / 60.0)),
+            (None, tachometer) => tachometer.as_ref()?.turning(end, uploads, errors),
         };
-        if let Some(gain) = input.gain {
-            check(gain, GAINS, "", "/gain", errors);
-        }
-        let band_edges = input.bands_hz.unwrap_or_else(|| BAND_EDGES.to_vec());
-        errors.extend(band_edge_errors("/bands_hz", &band_edges));
         Some(Self {
             samples: samples?,
             turning: turning?,
             unit: input.unit,
-            channel: input.channel,
-            band_edges,
+            band_edges: input.bands_hz.unwrap_or_else(|| BAND_EDGES.to_vec()),
             gain: input.gain,
         })
     }
@@ -181,6 +212,30 @@ fn check(value: f64, [lowest, highest]: [f64; 2], unit: &str, pointer: &str, err
 }
 
 impl TachometerInput {
+    /// Field and detail of what is wrong whatever the record.
+    fn error(&self) -> Option<(&'static str, String)> {
+        match (&self.pulse_times_s, &self.series) {
+            (Some(times), None) if times.len() > MOST_PULSES => {
+                return Some(("/pulse_times_s", format!("{} times: at most {MOST_PULSES}", times.len())));
+            }
+            (Some(times), None) if !times.is_sorted_by(|one, next| one < next) => {
+                return Some(("/pulse_times_s", "the times must rise".to_owned()));
+            }
+            (Some(_), None) | (None, Some(_)) => {}
+            _ => return Some(("", "must have either `pulse_times_s` or `series`".to_owned())),
+        }
+        if self.threshold.is_some() && self.series.is_none() {
+            return Some(("/threshold", "times have no threshold: leave it out".to_owned()));
+        }
+        let per_turn = self.per_turn();
+        (!(1..=10_000).contains(&per_turn))
+            .then(|| ("/pulses_per_turn", out_of_range(f64::from(per_turn), 1.0, 1e4, false, "")))
+    }
+
+    fn per_turn(&self) -> u32 {
+        self.pulses_per_turn.unwrap_or(1)
+    }
+
     /// Turns of the shaft within a record whose last value is at `end` [s].
     fn turning(&self, end: Option<f64>, uploads: &Uploads, errors: &mut Vec<FieldError>) -> Option<Turning> {
         let mut refuse = |field: &str, detail: String| {
@@ -188,31 +243,20 @@ impl TachometerInput {
             None
         };
         let (pointer, mut pulses) = match (&self.pulse_times_s, &self.series) {
-            (Some(times), None) if times.len() > MOST_PULSES => {
-                return refuse("/pulse_times_s", format!("{} times: at most {MOST_PULSES}", times.len()));
-            }
-            (Some(times), None) => ("/pulse_times_s", times.clone()),
-            (None, Some(hash)) => {
-                let Some(signal) = uploads.get(hash) else { return refuse("/series", UNKNOWN_SERIES.to_owned()) };
+            (Some(times), _) => ("/pulse_times_s", times.clone()),
+            (None, hash) => {
+                let Some(signal) = uploads.get(hash.as_ref()?) else {
+                    return refuse("/series", UNKNOWN_SERIES.to_owned());
+                };
                 let threshold = self.threshold.unwrap_or_else(|| middle(signal.values()));
                 ("/series", pulses_of(signal.values(), signal.rate(), threshold))
             }
-            _ => return refuse("", "must have either `pulse_times_s` or `series`".to_owned()),
         };
-        if self.threshold.is_some() && self.series.is_none() {
-            return refuse("/threshold", "times have no threshold: leave it out".to_owned());
-        }
-        if !pulses.is_sorted_by(|one, next| one < next) {
-            return refuse(pointer, "the times must rise".to_owned());
-        }
         pulses.retain(|time| (0.0..=end.unwrap_or(f64::INFINITY)).contains(time));
         if let Some(detail) = irregularity(&pulses) {
             return refuse(pointer, detail);
         }
-        let (count, per_turn) = (pulses.len(), self.pulses_per_turn.unwrap_or(1));
-        if !(1..=10_000).contains(&per_turn) {
-            return refuse("/pulses_per_turn", out_of_range(f64::from(per_turn), 1.0, 1e4, false, ""));
-        }
+        let (count, per_turn) = (pulses.len(), self.per_turn());
         match Tachometer::new(pulses, per_turn) {
             Some(tachometer) => Some(Turning::Pulses(tachometer)),
             None => refuse(pointer, format!("{count} pulses within the record: at least {FEWEST_PULSES} are needed")),
@@ -264,7 +308,7 @@ mod tests {
         let uploads = Uploads::new(BTreeMap::from([(RECORD.to_owned(), Arc::new(samples))]));
         let mut request = json!({ "series": RECORD, "unit": "g" });
         request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
-        Measurement::read(request.to_string().as_bytes(), &uploads)
+        MeasurementRequest::read(request.to_string().as_bytes())?.with(&uploads)
     }
 
     fn pointers(more: &Value) -> Vec<String> {

@@ -146,6 +146,34 @@ fn a_run_states_life_and_torque() {
     assert!((number("/friction/power_loss_w") / (1e-3 * total * speed) - 1.0).abs() < 1e-9);
 }
 
+/// The simulated torque beside SKF's model: within a factor 2, and larger under each larger load.
+#[test]
+fn the_torque_of_the_6205_is_near_the_empirical_one() {
+    let oil = json!({"lubricant": {"kind": "oil", "viscosity_pa_s": 0.018}});
+    let torque = |radial: f64, axial: f64, expected: f64| {
+        let mut request = scene(json!({}), 3000.0, oil.clone());
+        request["scene"]["operation"] = json!({"speed_rpm": 3000, "radial_load_y_n": radial, "axial_load_n": axial});
+        let run = json!({"kind": "simulation", "duration_s": 0.02, "settle_s": 0.02, "solver": {"rung": "full"},
+            "outputs": {"metrics": ["friction"], "spectra": []}});
+        merge(&mut request, run);
+        let job = parse_job(request.to_string().as_bytes()).unwrap_or_else(|refusal| panic!("{refusal}"));
+        let Ok(Outcome::Simulation(outcome)) = execute(&job, &Control::until(&|| false)) else {
+            panic!("the run failed")
+        };
+        let metrics = serde_json::to_value(&outcome.metrics).unwrap();
+        let number = |field: &str| metrics["friction"][field].as_f64().unwrap();
+        let reference = |field: &str| metrics["friction"]["reference"][field].as_f64().unwrap();
+        let skf = reference("skf_rolling_n_mm") + reference("skf_sliding_n_mm");
+        assert!((skf / expected - 1.0).abs() < 3e-3, "{skf} instead of {expected}");
+        let total = number("total_n_mm");
+        assert!((0.5..2.0).contains(&(total / skf)), "{radial} N, {axial} N: {total} beside {skf} N mm");
+        total
+    };
+    let light = torque(500.0, 0.0, 11.82);
+    assert!(torque(1000.0, 0.0, 20.61) > light);
+    assert!(torque(500.0, 200.0, 27.61) > light);
+}
+
 /// The film's resistance is most of the torque in grease, too. A vibration alone leaves it out, as the article does.
 #[test]
 fn grease_has_the_torque_of_its_film() {

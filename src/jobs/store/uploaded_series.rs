@@ -35,7 +35,7 @@ pub struct UploadedSeries {
 }
 
 /// A series in its stored form.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, FromRow)]
 pub struct PackedSeries {
     hash: String,
     rate_hz: f64,
@@ -146,19 +146,19 @@ impl Store {
         rows.into_iter().map(Row::series).collect()
     }
 
-    /// The series of an owner that a request names, for a job: puts off their expiry. Series that are not there are left out.
-    pub async fn named_series(&self, owner: &str, hashes: &BTreeSet<String>) -> Result<Uploads, JobError> {
-        let mut known = BTreeMap::new();
+    /// The series of an owner that a request names, for a job, in their stored form: puts off their expiry. Series that are not there are left out.
+    pub async fn packed_series(&self, owner: &str, hashes: &BTreeSet<String>) -> Result<Vec<PackedSeries>, JobError> {
+        let mut known = Vec::with_capacity(hashes.len());
         for hash in hashes {
-            let sql = "UPDATE uploaded_series SET expires_at = $3 WHERE owner = $1 AND hash = $2 AND content IS NOT NULL \
-                       RETURNING rate_hz, content";
+            let sql =
+                "UPDATE uploaded_series SET expires_at = $3 WHERE owner = $1 AND hash = $2 AND content IS NOT NULL";
             let expires_at = stored(Timestamp::now()).saturating_add(micros(KEPT));
-            let row: Option<(f64, Vec<u8>)> =
-                statement(sql).bind(owner).bind(hash).bind(expires_at).optional(&self.writer).await?;
-            match row {
-                Some((rate_hz, content)) => {
-                    known.insert(hash.clone(), Arc::new(unpacked(hash, rate_hz, &content)?));
-                }
+            statement(sql).bind(owner).bind(hash).bind(expires_at).run(&self.writer).await?;
+            // Megabytes are not read on the only connection that writes to a file.
+            let sql = "SELECT hash, rate_hz, count, content FROM uploaded_series \
+                       WHERE owner = $1 AND hash = $2 AND content IS NOT NULL";
+            match statement(sql).bind(owner).bind(hash).optional(&self.readers).await? {
+                Some(series) => known.push(series),
                 // Expired, or never there.
                 None => match self.series_of_load(owner, hash).await {
                     Err(expired @ JobError::SeriesExpired { .. }) => return Err(expired),
@@ -167,7 +167,7 @@ impl Store {
                 },
             }
         }
-        Ok(Uploads::new(known))
+        Ok(known)
     }
 
     /// Removes a series that no unfinished job names.
@@ -193,6 +193,19 @@ impl Store {
         statement(sql).bind(now.saturating_sub(micros(remembered))).run(&self.writer).await?;
         Ok(())
     }
+}
+
+/// The values of series, on a thread that serves no connection: a long record takes a second.
+pub async fn uploads(packed: Vec<PackedSeries>) -> Result<Uploads, JobError> {
+    let unpack = move || {
+        let series = packed.into_iter().map(|PackedSeries { hash, rate_hz, content, .. }| {
+            let samples = unpacked(&hash, rate_hz, &content)?;
+            Ok((hash, Arc::new(samples)))
+        });
+        Ok(Uploads::new(series.collect::<Result<BTreeMap<_, _>, JobError>>()?))
+    };
+    let unpacked = tokio::task::spawn_blocking(unpack).await;
+    unpacked.map_err(|error| JobError::Corrupt(error.to_string()))?
 }
 
 /// The series of a stored content, compared with its hash.

@@ -273,6 +273,12 @@ fn planned<P>(length: usize, plan: impl FnOnce(&mut RealFftPlanner<f64>, usize) 
     plan(planner, length)
 }
 
+/// Fourier transform of a signal that is not empty, without window.
+#[cfg(test)]
+pub(crate) fn transform(signal: &[f64]) -> Vec<Complex64> {
+    forward(&mut signal.to_vec())
+}
+
 /// Fourier transform of a signal that is not empty; overwrites it.
 fn forward(signal: &mut [f64]) -> Vec<Complex64> {
     let transform = planned(signal.len(), RealFftPlanner::plan_fft_forward);

@@ -136,6 +136,17 @@ fn length(of: &[f64]) -> f64 {
 /// The expansion of values at points of the unit cube, whose degree has the least error of points left out among those with at most half
 /// as many coefficients as points. `None` where all values are equal, or too few for any degree.
 pub fn expansion(bases: &[Basis], points: &[&[f64]], values: &[f64], seed: u64) -> Option<Expansion> {
+    expansion_up_to(MAX_DEGREE, bases, points, values, seed)
+}
+
+/// [`expansion`] of no more than a degree.
+pub(super) fn expansion_up_to(
+    most: usize,
+    bases: &[Basis],
+    points: &[&[f64]],
+    values: &[f64],
+    seed: u64,
+) -> Option<Expansion> {
     let middle = mean(values);
     let variance = mean(&values.iter().map(|value| (value - middle).powi(2)).collect::<Vec<_>>());
     if variance <= (f64::EPSILON * middle).powi(2) {
@@ -143,7 +154,7 @@ pub fn expansion(bases: &[Basis], points: &[&[f64]], values: &[f64], seed: u64) 
     }
     let mut fit = Fit::new(values);
     let mut best: Option<(f64, usize, usize)> = None;
-    for degree in 1..=MAX_DEGREE {
+    for degree in 1..=most {
         let count = |degree: usize| bases.iter().map(|basis| basis.count(degree)).sum::<usize>();
         let grows = degree == 1 || count(degree) > count(degree - 1);
         if !grows || 2 * (1 + count(degree)) > values.len() {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use super::basis::Basis;
 use super::design::Design;
 use super::distribution::{Discrete, Distribution, normal_quantile};
-use super::expansion::{Expansion, expansion};
+use super::expansion::{Expansion, expansion, expansion_up_to};
 use super::order_statistics::percentile;
 use super::pairs::pair_shares;
 use crate::numerics::statistics::mean;
@@ -101,6 +101,22 @@ fn shares_of_the_ishigami_function() {
         assert!((found - expected).abs() < 0.04, "{found} instead of {expected}");
     }
     assert!((q2 - 0.47).abs() < 0.12, "{q2}");
+}
+
+/// Polynomials up to degree 3 do not follow sin² over two periods: the second input, the strongest alone, seems to have no effect.
+#[test]
+fn degree_3_misses_the_second_input_of_the_ishigami_function() {
+    let (inputs, bases) = (uniform(-PI, PI, 3), vec![Basis::Legendre; 3]);
+    let [mut second, mut q2] = [0.0; 2];
+    for seed in 0..SEEDS {
+        let points = Design::Sobol.cube(3, 256, seed);
+        let refs: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
+        let found = expansion_up_to(3, &bases, &refs, &values(&points, &inputs, ishigami), 1).unwrap();
+        assert_eq!(found.degree, 3);
+        second += found.inputs[1].share / SEEDS as f64;
+        q2 += found.q2 / SEEDS as f64;
+    }
+    assert!((second - 0.026).abs() < 0.002 && (q2 - 0.28).abs() < 0.01, "{second} {q2}");
 }
 
 #[test]

@@ -121,7 +121,7 @@ impl Bands {
 mod tests {
     use super::*;
     use crate::numerics::random::SplitMix64;
-    use crate::numerics::spectrum::filtered;
+    use crate::numerics::spectrum::{filtered, transform};
     use crate::numerics::statistics::rms;
     use crate::simulation::input::settings::BAND_EDGES;
 
@@ -162,6 +162,18 @@ mod tests {
         let found = of_tones(&[(5000.5, 10.0)], 1.0);
         assert!((found[2].velocity / 225.057e-6 - 1.0).abs() < 1e-4, "{found:?}");
         assert!(found[0].velocity < 1e-9 && found[1].velocity < 1e-9, "{found:?}");
+    }
+
+    /// Without a window, whose noise bandwidth is one bin, the same tone fills the low bands: the Hann window is needed.
+    #[test]
+    fn a_strong_tone_leaks_without_a_window() {
+        let bins = transform(&tones(&[(5000.5, 10.0)], 1.0));
+        let velocity = |from: usize, to: usize| {
+            let square = |bin: usize| 0.5 * (2.0 / RATE).powi(2) * bins[bin].norm_sqr() / (TAU * bin as f64).powi(2);
+            1e6 * (from..to).map(square).sum::<f64>().sqrt()
+        };
+        let [low, middle] = [velocity(50, 300), velocity(300, 1800)];
+        assert!((low - 18.5).abs() < 0.05 && (middle - 7.7).abs() < 0.05, "{low} and {middle} µm/s");
     }
 
     #[test]
