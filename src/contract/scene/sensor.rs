@@ -147,3 +147,19 @@ fn part(
         name => body(housing, name, defaults, pointer).map(Part::Housing),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Directions of any length have length 1, also where squares overflow or vanish.
+    #[test]
+    fn directions_have_length_one() {
+        for scale in [1e-300, 1.0, 1e300] {
+            let [x, y, z] = SensorDirection::Vector([0.0, -3.0 * scale, 4.0 * scale]).unit().unwrap();
+            assert!(x == 0.0 && (y + 0.6).abs() < 1e-15 && (z - 0.8).abs() < 1e-15, "{scale}: {y}, {z}");
+        }
+        assert_eq!(SensorDirection::Axis(DirectionName::Z).unit(), Some([0.0, 0.0, 1.0]));
+        assert_eq!(SensorDirection::Vector([0.0; 3]).unit(), None);
+    }
+}

@@ -344,6 +344,26 @@ fn a_shaft_alone_needs_a_sensor() {
     check(&[(body, "/scene/sensors", "without ball bearings nothing else is recorded")]);
 }
 
+/// A sensor measures along a vector of any length that its part can move along.
+#[test]
+fn a_sensor_needs_a_direction_in_which_its_part_moves() {
+    let of = |direction: &str| {
+        let sensor = format!(r#"{{"name":"probe","at_mm":100,"direction":{direction}}}"#);
+        let supports = r#"[{"at_mm":0,"stiffness_n_per_um":[0,50,50],"tilt_n_m_per_mrad":[1,1]}]"#;
+        let sections = r#"[{"length_mm":300,"outer_diameter_mm":25}]"#;
+        let scene = format!(
+            r#"{{"shaft":{{"sections":{sections}}},"supports":{supports},"sensors":[{sensor}],"operation":{{"speed_rpm":5000}}}}"#
+        );
+        format!(r#"{{"kind":"machine","scene":{scene}}}"#)
+    };
+    check(&[
+        (of("[0,0,0]"), "/scene/sensors/0/direction", "must have one part that is not 0"),
+        (of("[1,1,0]"), "/scene/sensors/0/direction", "does not move along X"),
+        (of("[0,1]"), "/scene/sensors/0/direction", "3"),
+        (of("45"), "/scene/sensors/0/direction", "three numbers"),
+    ]);
+}
+
 /// A body of a housing is recorded also where no bearing is, by default with its orders.
 #[test]
 fn a_housing_without_bearings_has_channels() {

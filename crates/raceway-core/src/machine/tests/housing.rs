@@ -125,16 +125,21 @@ fn a_mirror_image_in_a_housing_moves_as_such() {
 #[test]
 fn sensors_on_a_body_show_the_linear_response() {
     let mut machine = in_body(motor_spindle(), MOUNTS, 300.0);
-    let sensor = |name: &str, on: Part, relative_to: Option<Part>| Sensor {
+    let sensor = |name: &str, on: Part, relative_to: Option<Part>, along: [f64; 3]| Sensor {
         name: name.to_owned(),
         on,
         relative_to,
         at: 0.2,
-        along: [0.0, 1.0, 0.0],
+        along,
     };
+    let (y, oblique) = ([0.0, 1.0, 0.0], [0.0, 0.6, 0.8]);
     let body = Part::Housing(0);
-    machine.sensors =
-        vec![sensor("on", body, None), sensor("gap", Part::Shaft, Some(body)), sensor("back", body, Some(Part::Shaft))];
+    machine.sensors = vec![
+        sensor("on", body, None, y),
+        sensor("gap", Part::Shaft, Some(body), y),
+        sensor("back", body, Some(Part::Shaft), y),
+        sensor("oblique", Part::Shaft, Some(body), oblique),
+    ];
     let settings = MachineSettings {
         settle: Some(0.1),
         duration: 0.1,
@@ -152,7 +157,7 @@ fn sensors_on_a_body_show_the_linear_response() {
         let channel = MachineChannel::parse(name, &machine).unwrap();
         result.channels.iter().find(|(of, _)| *of == channel).map(|(_, metrics)| metrics.clone()).unwrap()
     };
-    for (sensor, found) in linear.sensors.iter().zip(["on", "gap", "back"]) {
+    for (sensor, found) in linear.sensors.iter().zip(["on", "gap", "back", "oblique"]) {
         let seen = of(&format!("sensor.{found}.displacement"));
         let (rms, mean) = (1e6 * sensor.response[0].norm() / 2.0_f64.sqrt(), 1e6 * sensor.at_rest);
         assert!((seen.rms / rms - 1.0).abs() < 0.02, "{found}: {} µm, linear {rms} µm", seen.rms);
