@@ -337,9 +337,8 @@ mod tests {
         let samples = Samples::new(1000.0, vec![0.3; 1000]).unwrap();
         let uploads = Uploads::new(BTreeMap::from([(RECORD.to_owned(), Arc::new(samples))]));
         let request = json!({ "series": RECORD, "unit": "g", "speed_rpm": 3000 }).to_string();
-        let Err(Refusal::Invalid { errors }) = Measurement::read(request.as_bytes(), &uploads) else {
-            panic!("refused")
-        };
+        let given = MeasurementRequest::read(request.as_bytes()).unwrap();
+        let Err(Refusal::Invalid { errors }) = given.with(&uploads) else { panic!("refused") };
         assert_eq!(errors, [FieldError::new("/series", "all values are 0.3: there is no vibration to compare")]);
     }
 

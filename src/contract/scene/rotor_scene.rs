@@ -16,7 +16,6 @@ use super::spindle::SpindleInput;
 use super::supports::{self, SupportInput};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list, optional_object};
-use crate::contract::json::units::MM;
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::operation::SpeedProfile;
