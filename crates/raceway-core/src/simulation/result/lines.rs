@@ -728,7 +728,7 @@ mod tests {
     fn all_lines_of_a_dense_comb_are_found() {
         let golden = 0.618_034;
         let tones: Vec<(f64, f64)> =
-            (1..=200).map(|n| f64::from(n)).map(|n| (83.0 * n, 10_f64.powf(-2.0 * (golden * n).fract()))).collect();
+            (1..=200).map(f64::from).map(|n| (83.0 * n, 10_f64.powf(-2.0 * (golden * n).fract()))).collect();
         let spectrum = spectrum_of(&tones, 1e-5);
         let mut bins = peak_bins(&spectrum, 16_650.0);
         bins.sort_unstable();
