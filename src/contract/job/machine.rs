@@ -161,7 +161,8 @@ impl MachineSolverInput {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MachineOutputsInput {
-    /// Channels whose complete time series are kept. Default: none.
+    /// Channels whose complete time series are kept. Default: none. The load of ball 3 of bearing A is `A.ball.3.inner.load` or `.outer.load`; it is
+    /// recorded, with its metrics, only where it is named here.
     #[schema(nullable = false, max_items = 64, example = json!(["A.y.acceleration"]))]
     pub series: Option<Vec<String>>,
     /// Lower and upper end of the frequency band whose envelope is analysed [Hz]; it must hold the resonances that impacts excite. Default:
@@ -285,6 +286,10 @@ fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut 
         // At a constant speed the number of turns does not depend on the time before.
         let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
         kept = (outputs.series(machine, &run, defaults), outputs.envelope(defaults));
+        let of_balls = kept.0.iter().filter(|channel| channel.is_of_ball()).count();
+        if of_balls > 0 {
+            check_size(duration, MachineChannel::all(machine).len() + of_balls, defaults);
+        }
     }
     let (series, envelope) = kept;
     let bands_hz = input.outputs.as_ref().and_then(|outputs| outputs.bands_hz.clone());
@@ -315,15 +320,21 @@ pub(super) fn checked_times(
     if let Some(settle) = *settle_s {
         defaults.check_of_rotor("/settle_s", settle);
     }
-    let is_inside = defaults.check_of_rotor("/duration_s", duration);
-    if let Some(machine) = machine {
-        let channels = MachineChannel::all(machine).len() as f64;
-        if is_inside && duration * RATE * channels > MAX_VALUES {
-            let (longest, given) = (short(MAX_VALUES / (RATE * channels)), short(duration));
-            defaults.refuse("/duration_s", format!("{given} s: at most {longest} s with {channels} channels"));
-        }
+    if defaults.check_of_rotor("/duration_s", duration)
+        && let Some(machine) = machine
+    {
+        check_size(duration, MachineChannel::all(machine).len(), defaults);
     }
     duration
+}
+
+/// Refuses a record of more values than a run may keep.
+fn check_size(duration: f64, channels: usize, defaults: &mut Defaults) {
+    let channels = channels as f64;
+    if duration * RATE * channels > MAX_VALUES {
+        let (longest, given) = (short(MAX_VALUES / (RATE * channels)), short(duration));
+        defaults.refuse("/duration_s", format!("{given} s: at most {longest} s with {channels} channels"));
+    }
 }
 
 impl MachineOutputsInput {
@@ -379,6 +390,10 @@ fn channels(names: &[String], pointer: &str, machine: &Machine, defaults: &mut D
 fn known_channels(machine: &Machine) -> String {
     let is_first = |channel: &MachineChannel| channel.source() == 0;
     let names = MachineChannel::all(machine).into_iter().filter(is_first);
-    let names = names.map(|channel| channel.named(machine).to_string()).collect::<Vec<_>>().join(", ");
+    let mut names: Vec<String> = names.map(|channel| channel.named(machine).to_string()).collect();
+    names.extend(
+        machine.bearings.first().map(|first| format!("{0}.ball.1.inner.load, {0}.ball.1.outer.load", first.name)),
+    );
+    let names = names.join(", ");
     if machine.bearings.len() > 1 { format!("{names}, and those of the other bearings") } else { names }
 }

@@ -344,6 +344,20 @@ fn a_shaft_alone_needs_a_sensor() {
     check(&[(body, "/scene/sensors", "without ball bearings nothing else is recorded")]);
 }
 
+/// Loads of balls are channels of a machine where the bearing has the ball; pockets are none.
+#[test]
+fn a_load_of_a_ball_needs_the_ball() {
+    let of = |channel: &str| {
+        let scene = r#"{"bearings":[{"name":"A","bearing":"6205"}],"operation":{"speed_rpm":5000}}"#;
+        format!(r#"{{"kind":"machine","scene":{scene},"outputs":{{"series":["A.ball.9.inner.load","{channel}"]}}}}"#)
+    };
+    let channels = ["A.ball.10.inner.load", "A.ball.0.outer.load", "B.ball.1.inner.load", "A.ball.1.pocket.load"];
+    for channel in channels {
+        check(&[(of(channel), "/outputs/series/1", "A.ball.1.inner.load, A.ball.1.outer.load")]);
+    }
+    check(&[(of("A.ball.9.inner.load"), "/outputs/series/1", "more than once")]);
+}
+
 /// A sensor measures along a vector of any length that its part can move along.
 #[test]
 fn a_sensor_needs_a_direction_in_which_its_part_moves() {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 use super::input::Machine;
-use crate::simulation::input::channel::{Axis, Motion};
+use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 
 /// A signal. Bearings, sensors and bodies count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,13 +20,15 @@ pub enum MachineChannel {
     CageSpeed(usize),
     /// Spin of ball 1 about the axis of its bearing, as seen from the cage.
     BallSpin(usize),
+    /// Load of a ball on a raceway, recorded where it is asked for. Balls count from 0 here and from 1 in names.
+    BallLoad(usize, usize, BallContact),
     Sensor(usize, Motion),
     /// Of the mass centre of a housing body, or of a port of the housing.
     Body(usize, Axis, Motion),
 }
 
 impl MachineChannel {
-    /// All signals of a machine.
+    /// All signals of a machine but the loads of its balls.
     pub fn all(machine: &Machine) -> Vec<Self> {
         const RADIAL: [Axis; 2] = [Axis::Y, Axis::Z];
         let along: &[Axis] = if machine.rotor.shaft.is_axially_free { &[Axis::X, Axis::Y, Axis::Z] } else { &RADIAL };
@@ -62,7 +64,20 @@ impl MachineChannel {
 
     /// The signal of that name, or `None`.
     pub fn parse(name: &str, machine: &Machine) -> Option<Self> {
-        Self::all(machine).into_iter().find(|channel| channel.named(machine).to_string() == name)
+        let is_named = |channel: &Self| channel.named(machine).to_string() == name;
+        Self::all(machine).into_iter().find(is_named).or_else(|| Self::ball_load(name, machine))
+    }
+
+    /// The load of a ball with a name such as `A.ball.3.inner.load`.
+    fn ball_load(name: &str, machine: &Machine) -> Option<Self> {
+        let (bearing, channel) = name.split_once('.')?;
+        let index = machine.bearings.iter().position(|known| known.name == bearing)?;
+        match Channel::parse(channel, machine.bearings[index].scene.bearing.parameters.ball_count)? {
+            // One level has no pockets.
+            Channel::BallLoad(_, BallContact::Pocket) => None,
+            Channel::BallLoad(ball, contact) => Some(Self::BallLoad(index, ball, contact)),
+            _ => None,
+        }
     }
 
     /// The name, such as `A.y.acceleration`.
@@ -79,9 +94,15 @@ impl MachineChannel {
             | Self::Moment(index, _)
             | Self::CageSpeed(index)
             | Self::BallSpin(index)
+            | Self::BallLoad(index, ..)
             | Self::Sensor(index, _)
             | Self::Body(index, ..) => index,
         }
+    }
+
+    /// Whether it is recorded only where it is asked for.
+    pub fn is_of_ball(&self) -> bool {
+        matches!(self, Self::BallLoad(..))
     }
 
     pub fn is_acceleration(&self) -> bool {
@@ -102,7 +123,7 @@ impl MachineChannel {
                 Motion::Acceleration => "m/s²",
             },
             Self::Tilt(..) => "mrad",
-            Self::Force(..) => "N",
+            Self::Force(..) | Self::BallLoad(..) => "N",
             Self::Moment(..) => "N m",
             Self::CageSpeed(_) | Self::BallSpin(_) => "Hz",
         }
@@ -117,7 +138,7 @@ impl MachineChannel {
                 Motion::Acceleration => 1.0,
             },
             Self::Tilt(..) => 1e3,
-            Self::Force(..) | Self::Moment(..) => 1.0,
+            Self::Force(..) | Self::Moment(..) | Self::BallLoad(..) => 1.0,
             Self::CageSpeed(_) | Self::BallSpin(_) => 1.0 / TAU,
         }
     }
@@ -144,6 +165,9 @@ impl fmt::Display for Named<'_> {
             MachineChannel::Moment(index, axis) => write!(f, "{}.moment.{axis}", bearing(index)),
             MachineChannel::CageSpeed(index) => write!(f, "{}.cage.speed", bearing(index)),
             MachineChannel::BallSpin(index) => write!(f, "{}.ball.1.spin", bearing(index)),
+            MachineChannel::BallLoad(index, ball, contact) => {
+                write!(f, "{}.{}", bearing(index), Channel::BallLoad(ball, contact))
+            }
             MachineChannel::Body(index, axis, of) => {
                 write!(f, "{}.{axis}.{}", self.machine.bodies[index], motion(of))
             }

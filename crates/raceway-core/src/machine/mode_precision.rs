@@ -100,7 +100,7 @@ pub fn compare(machine: &Machine, plan: &ModePlan, control: &Control<'_>) -> Res
     let settle = plan.settle.unwrap_or_else(|| settling_time(&dynamics));
     check_growth(machine, &dynamics, settle, plan.duration)?;
     let start = start_state(machine, &dynamics)?;
-    let run = Run { machine, dynamics: &dynamics, start: &start, settle };
+    let run = Run { machine, dynamics: &dynamics, start: &start, settle, series: &[] };
     let times = [plan.duration, plan.duration];
     let confirmed = control.part((0.0, REFERENCE_SHARE), |control| run.confirmed(plan.step, times, control))?;
     let (same_step, levels) = (levels(&confirmed.recording), judged(levels(&confirmed.again)));
@@ -157,7 +157,7 @@ impl Runs<'_> {
         let Self { machine, plan, settle, step, .. } = *self;
         let dynamics = dynamics(machine, range, control)?;
         let start = start_state(machine, &dynamics)?;
-        let run = Run { machine, dynamics: &dynamics, start: &start, settle };
+        let run = Run { machine, dynamics: &dynamics, start: &start, settle, series: &[] };
         let mut once = |index: u32| {
             let mut work = Work::default();
             let share = |done: u32| f64::from(done) / f64::from(plan.repetitions);

@@ -62,9 +62,16 @@ pub(crate) struct Recorder<'m> {
 }
 
 impl<'m> Recorder<'m> {
-    /// Recorder of `duration` after `start` [s] in steps of a length.
-    pub(crate) fn new(machine: &Machine, dynamics: &'m MachineDynamics, start: f64, duration: f64, step: f64) -> Self {
-        let channels = MachineChannel::all(machine);
+    /// Recorder of `duration` after `start` [s] in steps of a length: of all signals, and of those of single balls in `series`.
+    pub(crate) fn new(
+        (machine, dynamics): (&Machine, &'m MachineDynamics),
+        series: &[MachineChannel],
+        start: f64,
+        duration: f64,
+        step: f64,
+    ) -> Self {
+        let mut channels = MachineChannel::all(machine);
+        channels.extend(series.iter().filter(|channel| channel.is_of_ball()));
         let is_enough = |samples: &usize| STEPS_PER_SAMPLE * step * RATE * *samples as f64 >= 1.0;
         let oversampling = [1, 2].into_iter().find(is_enough).unwrap_or(OVERSAMPLING);
         let decimator = Decimator::new(oversampling, channels.len());
@@ -172,6 +179,9 @@ impl<'m> Recorder<'m> {
                 MachineChannel::Force(bearing, axis) => -stepper.wrench(bearing)[axis as usize],
                 MachineChannel::Moment(bearing, axis) => -stepper.wrench(bearing)[tilt(axis)],
                 MachineChannel::CageSpeed(bearing) => stepper.bearings()[bearing].cage_speed(time),
+                MachineChannel::BallLoad(bearing, ball, contact) => {
+                    stepper.bearings()[bearing].seen(ball).load_at(contact)
+                }
                 MachineChannel::BallSpin(bearing) => stepper.bearings()[bearing].spin(0, time)[0],
                 MachineChannel::Sensor(sensor, motion) => self.sensors[sensor].reading(*sensors[sensor].of(motion)),
                 MachineChannel::Body(body, axis, motion) => bodies[body].of(motion)[axis as usize],

@@ -62,7 +62,7 @@ pub fn simulate_on(
     let settle = settings.settle.unwrap_or_else(|| settling_time(&dynamics));
     check_growth(machine, &dynamics, settle, settings.duration)?;
     let start = start_state(machine, &dynamics)?;
-    let full = Run { machine, dynamics: &dynamics, start: &start, settle };
+    let full = Run { machine, dynamics: &dynamics, start: &start, settle, series: &settings.series };
     match level {
         LevelChoice::Full => full.result(settings, control),
         LevelChoice::Reduced(level) => full.reduced(level, settings, &mut None, control),
@@ -119,6 +119,8 @@ pub(super) struct Run<'a> {
     pub dynamics: &'a MachineDynamics,
     pub start: &'a [f64],
     pub settle: f64,
+    /// Signals that are asked for, of which those of single balls are recorded beside all others.
+    pub series: &'a [MachineChannel],
 }
 
 impl Run<'_> {
@@ -283,7 +285,8 @@ impl Run<'_> {
         control: &Control<'_>,
         work: &mut Work,
     ) -> Result<MachineRecording, Unrecorded> {
-        let mut recorder = Recorder::new(self.machine, self.dynamics, self.settle, duration, step.full());
+        let mut recorder =
+            Recorder::new((self.machine, self.dynamics), self.series, self.settle, duration, step.full());
         let mut stepper = MachineStepper::new(self.dynamics, 0.0, self.start, step);
         let (mut steps, end) = (0_u64, recorder.end());
         while !recorder.is_full() {

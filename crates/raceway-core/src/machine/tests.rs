@@ -466,12 +466,14 @@ fn natural_frequencies(dynamics: &MachineDynamics, state: &[f64]) -> Vec<f64> {
 fn a_run_shows_the_response_to_unbalance() {
     let mut machine = motor_spindle();
     machine.sensors = vec![on_shaft("probe", 0.15, Axis::Y)];
+    let contacts = [BallContact::Inner, BallContact::Outer];
+    let of_balls: Vec<_> = (0..9).flat_map(|ball| contacts.map(|of| MachineChannel::BallLoad(0, ball, of))).collect();
     let settings = MachineSettings {
         settle: Some(0.05),
         duration: 0.05,
         step: None,
         range: RANGE,
-        series: Vec::new(),
+        series: of_balls.clone(),
         envelope: ENVELOPE,
         band_edges: Vec::new(),
     };
@@ -491,6 +493,17 @@ fn a_run_shows_the_response_to_unbalance() {
     // Each bearing carries half of weight and load.
     let carried = 0.5 * (100.0 + 9.81 * machine.rotor.shaft.mass());
     assert!((of("A.force.y").mean / carried - 1.0).abs() < 1e-3, "{} N", of("A.force.y").mean);
+    // Ball 3 of A presses the outer raceway by its centrifugal force more; the largest load of all balls is that of the bearing.
+    let load = |contact: &str| of(&format!("A.ball.3.{contact}.load"));
+    assert!(load("outer").mean > load("inner").mean + 1.0, "{} N, {} N", load("outer").mean, load("inner").mean);
+    let largest = result
+        .series
+        .iter()
+        .zip(&of_balls)
+        .filter(|(_, of)| matches!(of, MachineChannel::BallLoad(_, _, BallContact::Inner)));
+    let largest = largest.flat_map(|((_, values), _)| values).fold(0.0_f64, |most, value| most.max(*value));
+    assert!((largest / result.bearings[0].record.inner_load - 1.0).abs() < 1e-3, "{largest} N");
+    assert_eq!(result.series.len(), of_balls.len());
     assert_eq!(result.accuracy.step, 5.5e-6);
     let worst = result.accuracy.errors.iter().filter_map(|(_, error)| *error).fold(0.0, f64::max);
     assert!(worst <= 0.1, "{:?}", result.accuracy);

@@ -47,7 +47,7 @@ fn recorded(
     step: f64,
 ) -> MachineRecording {
     let start = start_state(machine, dynamics).unwrap();
-    let run = Run { machine, dynamics, start: &start, settle };
+    let run = Run { machine, dynamics, start: &start, settle, series: &[] };
     let step = StepLength { longest: step, share: 1.0 };
     run.record(duration, step, &Control::until(&|| false), &mut Work::default()).ok().unwrap()
 }

@@ -2,6 +2,7 @@
 
 use crate::numerics::ode::adams_moulton::Defect;
 use crate::physics::bearing::PerRaceway;
+use crate::simulation::input::channel::BallContact;
 
 /// Motion of the inner ring along Y and Z: place [m], velocity [m/s], acceleration [m/s²].
 #[derive(Debug, Clone, Copy, Default)]
@@ -35,4 +36,15 @@ pub(crate) struct BallSeen {
     pub slip: PerRaceway<f64>,
     /// [N]
     pub pocket: f64,
+}
+
+impl BallSeen {
+    /// Load of a contact [N].
+    pub(crate) fn load_at(&self, contact: BallContact) -> f64 {
+        match contact {
+            BallContact::Inner => self.load.inner,
+            BallContact::Outer => self.load.outer,
+            BallContact::Pocket => self.pocket,
+        }
+    }
 }
