@@ -348,7 +348,7 @@ fn a_shaft_alone_needs_a_sensor() {
 #[test]
 fn a_load_of_a_ball_needs_the_ball() {
     let of = |channel: &str| {
-        let scene = r#"{"bearings":[{"name":"A","bearing":"6205"}],"operation":{"speed_rpm":5000}}"#;
+        let scene = r#"{"bearings":[{"name":"A","bearing":"6205","at_mm":40}],"operation":{"speed_rpm":5000}}"#;
         format!(r#"{{"kind":"machine","scene":{scene},"outputs":{{"series":["A.ball.9.inner.load","{channel}"]}}}}"#)
     };
     let channels = ["A.ball.10.inner.load", "A.ball.0.outer.load", "B.ball.1.inner.load", "A.ball.1.pocket.load"];
