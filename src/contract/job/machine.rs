@@ -2,7 +2,7 @@
 
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Machine, MachineBearing};
-use raceway_core::machine::level::{LevelChoice, ReducedLevel, inapplicability};
+use raceway_core::machine::level::{LevelChoice, ReducedLevel, inapplicability, missing_signal};
 use raceway_core::machine::settings::{MachineSettings, RANGE};
 use raceway_core::numerics::spectrum::EnvelopeAnalysis;
 use raceway_core::physics::kinematics::RingSpeeds;
@@ -128,8 +128,8 @@ pub enum MachineRungName {
 }
 
 impl MachineSolverInput {
-    /// The level of a machine. Errors are noted in `defaults`.
-    fn resolve(&self, machine: Option<&Machine>, defaults: &mut Defaults) -> LevelChoice {
+    /// The level of a machine of which signals are asked for. Errors are noted in `defaults`.
+    fn resolve(&self, machine: Option<&Machine>, series: &[MachineChannel], defaults: &mut Defaults) -> LevelChoice {
         if let (Some(tolerance_db), Some(_)) = (self.model_tolerance_db, &self.rung) {
             let detail = format!("{tolerance_db} dB: goes without `rung`, which selects one level");
             defaults.refuse("/solver/model_tolerance_db", detail);
@@ -143,7 +143,8 @@ impl MachineSolverInput {
                     defaults.refuse("/solver/rung", format!("`{shown}` is unknown; available: `full`, {known}"));
                     return LevelChoice::Full;
                 };
-                if let Some(reason) = machine.and_then(|machine| inapplicability(machine, level)) {
+                let of_machine = machine.and_then(|machine| inapplicability(machine, level));
+                if let Some(reason) = of_machine.or_else(|| missing_signal(series, level)) {
                     defaults.refuse("/solver/rung", format!("`{name}` does not apply: {reason}"));
                 }
                 LevelChoice::Reduced(level)
@@ -211,7 +212,7 @@ impl MachineJob {
         let machine = machine(&mut input.scene, &draft.resolved, defaults);
         let settings = settings(input, machine.as_ref(), defaults);
         let solver = input.solver.clone().unwrap_or_default();
-        let level = solver.resolve(machine.as_ref(), defaults);
+        let level = solver.resolve(machine.as_ref(), &settings.series, defaults);
         let defaults = std::mem::take(&mut defaults.filled);
         let (submission, input, resolved) = draft.finish()?;
         // Without errors there is one.
@@ -286,12 +287,12 @@ fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut 
         // At a constant speed the number of turns does not depend on the time before.
         let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
         kept = (outputs.series(machine, &run, defaults), outputs.envelope(defaults));
-        let of_balls = kept.0.iter().filter(|channel| channel.is_of_ball()).count();
-        if of_balls > 0 {
-            check_size(duration, MachineChannel::all(machine).len() + of_balls, defaults);
-        }
     }
     let (series, envelope) = kept;
+    if let Some(machine) = machine {
+        let of_balls = series.iter().filter(|channel| channel.is_of_ball()).count();
+        check_size(duration, MachineChannel::all(machine).len() + of_balls, defaults);
+    }
     let bands_hz = input.outputs.as_ref().and_then(|outputs| outputs.bands_hz.clone());
     let band_edges = band_edges(defaults, &bands_hz);
     let step = input.step_us.map(|step| US.to_si(step));
@@ -320,18 +321,15 @@ pub(super) fn checked_times(
     if let Some(settle) = *settle_s {
         defaults.check_of_rotor("/settle_s", settle);
     }
-    if defaults.check_of_rotor("/duration_s", duration)
-        && let Some(machine) = machine
-    {
-        check_size(duration, MachineChannel::all(machine).len(), defaults);
-    }
+    defaults.check_of_rotor("/duration_s", duration);
     duration
 }
 
-/// Refuses a record of more values than a run may keep.
-fn check_size(duration: f64, channels: usize, defaults: &mut Defaults) {
+/// Refuses a record of more values than a run may keep, unless its range is refused already.
+pub(super) fn check_size(duration: f64, channels: usize, defaults: &mut Defaults) {
     let channels = channels as f64;
-    if duration * RATE * channels > MAX_VALUES {
+    let is_refused = defaults.errors.iter().any(|error| error.pointer == "/duration_s");
+    if !is_refused && duration * RATE * channels > MAX_VALUES {
         let (longest, given) = (short(MAX_VALUES / (RATE * channels)), short(duration));
         defaults.refuse("/duration_s", format!("{given} s: at most {longest} s with {channels} channels"));
     }

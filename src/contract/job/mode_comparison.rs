@@ -1,5 +1,6 @@
 //! An accuracy job of a shaft: several numbers of modes for one machine.
 
+use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::Machine;
 use raceway_core::machine::mode_precision::ModePlan;
 use serde::Deserialize;
@@ -7,7 +8,7 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::kind::JobKind;
-use super::machine::{checked_times, machine};
+use super::machine::{check_size, checked_times, machine};
 use super::shaft_draft::{ShaftDraft, ShaftRequest};
 use super::submission::{ServiceFields, Submission};
 use crate::contract::json::defaults::Defaults;
@@ -142,6 +143,9 @@ fn plan(input: &mut ModeComparisonInput, machine: Option<&Machine>, defaults: &m
     let reference_range = defaults.fill("/reference_range", &mut input.reference_range, REFERENCE_RANGE);
     check_ranges(&ranges, reference_range, defaults);
     let duration = checked_times(&mut input.settle_s, &mut input.duration_s, DURATION_S, machine, defaults);
+    if let Some(machine) = machine {
+        check_size(duration, MachineChannel::all(machine).len(), defaults);
+    }
     if let Some(step) = input.step_us {
         defaults.check_of_rotor("/step_us", step);
     }

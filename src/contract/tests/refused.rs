@@ -356,6 +356,8 @@ fn a_load_of_a_ball_needs_the_ball() {
         check(&[(of(channel), "/outputs/series/1", "A.ball.1.inner.load, A.ball.1.outer.load")]);
     }
     check(&[(of("A.ball.9.inner.load"), "/outputs/series/1", "more than once")]);
+    let alike = of("A.ball.8.inner.load").replacen('{', r#"{"solver":{"rung":"spindle_only"},"#, 1);
+    check(&[(alike, "/solver/rung", "does not tell balls apart")]);
 }
 
 /// A sensor measures along a vector of any length that its part can move along.

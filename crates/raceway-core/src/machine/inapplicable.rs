@@ -18,6 +18,8 @@ pub enum MachineInapplicable {
     OuterRingMoves { bearing: String },
     #[error("the outer ring of bearing {bearing} is set off along X or tilted (`preloads`, `outer_ring`)")]
     OuterRingOff { bearing: String },
+    #[error("the load of a single ball is asked for (`outputs.series`), and this model does not tell balls apart")]
+    SingleBalls,
     #[error("bearing {bearing}: {reason}")]
     Bearing { bearing: String, reason: BearingInapplicable },
 }

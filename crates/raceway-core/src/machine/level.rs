@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use super::bearing::{ReducedBearing, ReducedModel, TiltHold, scene_on_shaft};
+use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
 use super::inapplicable::{BearingInapplicable, MachineInapplicable};
 use super::input::{Machine, MachineError};
@@ -70,6 +71,12 @@ pub fn inapplicability(machine: &Machine, level: ReducedLevel) -> Option<Machine
         None
     };
     of_machine.or_else(|| (0..machine.bearings.len()).find_map(|index| of_bearing(machine, level, index)))
+}
+
+/// Reason why a level has no values of signals that are asked for. Places of `spindle_only` keep their azimuth, and balls pass through them.
+pub fn missing_signal(series: &[MachineChannel], level: ReducedLevel) -> Option<MachineInapplicable> {
+    let is_missing = level == ReducedLevel::SpindleOnly && series.iter().any(MachineChannel::is_of_ball);
+    is_missing.then_some(MachineInapplicable::SingleBalls)
 }
 
 fn of_bearing(machine: &Machine, level: ReducedLevel, index: usize) -> Option<MachineInapplicable> {

@@ -9,7 +9,7 @@ use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
-use super::level::{LevelChoice, ReducedLevel};
+use super::level::{LevelChoice, ReducedLevel, missing_signal};
 use super::recording::{MachineRecording, Recorder};
 use super::result::{Accuracy, MachineResult, ModelErrors};
 use super::settings::MachineSettings;
@@ -139,6 +139,9 @@ impl Run<'_> {
         of_full: &mut Option<MachineRecording>,
         control: &Control<'_>,
     ) -> Result<MachineResult, MachineError> {
+        if let Some(reason) = missing_signal(self.series, level) {
+            return Err(MachineError::NotApplicable { level: level.level(), reason });
+        }
         let dynamics = self.dynamics.clone().reduced_to(level, self.machine)?;
         let run = Run { dynamics: &dynamics, ..*self };
         let mut confirmed = control

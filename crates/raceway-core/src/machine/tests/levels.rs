@@ -3,7 +3,7 @@
 use super::*;
 use crate::machine::codes::MachineWarning;
 use crate::machine::inapplicable::{BearingInapplicable, MachineInapplicable};
-use crate::machine::level::{LevelChoice, ReducedLevel, inapplicability};
+use crate::machine::level::{LevelChoice, ReducedLevel, inapplicability, missing_signal};
 use crate::machine::recording::MachineRecording;
 use crate::machine::run::{Run, Work, simulate_on};
 use crate::numerics::ode::Statistics;
@@ -177,4 +177,7 @@ fn what_the_level_cannot_represent_is_named() {
         reason: BearingInapplicable::Scene(Inapplicable::NoCage),
     };
     assert_eq!(condensed(&without_cage), Some(reason));
+    let of_ball = [MachineChannel::BallLoad(0, 2, BallContact::Inner)];
+    let missing = ReducedLevel::ALL.map(|level| missing_signal(&of_ball, level));
+    assert_eq!(missing, [Some(MachineInapplicable::SingleBalls), None, None]);
 }
