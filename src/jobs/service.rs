@@ -112,7 +112,7 @@ impl Jobs {
         Ok((self.with_progress(record), metrics))
     }
 
-    /// What was read of a job, or its last state if the job has expired.
+    /// The read part of a job, or its last state if the job has expired.
     async fn found<T>(&self, owner: &str, id: Uuid, read: Result<T, JobError>) -> Result<T, JobError> {
         match read {
             Err(JobError::NotFound) => match in_time(self.parts.store.expired_job(owner, id)).await? {

@@ -22,7 +22,7 @@ pub enum Part {
 }
 
 impl Sensor {
-    /// What it reads where its place moves, of which the first three are along X, Y, Z.
+    /// Its reading of a motion of its place: along X, Y, Z, and about Y and Z, which it does not measure.
     pub fn reading(&self, [x, y, z, ..]: [f64; 5]) -> f64 {
         let [along_x, along_y, along_z] = self.along;
         along_x * x + along_y * y + along_z * z

@@ -273,7 +273,7 @@ fn slipping(combination: &[Term; 3]) -> f64 {
     combination.iter().filter(slips).map(|term| f64::from(term.order.abs()) * term.frequency).sum()
 }
 
-/// Combinations with a physical cause that come near the frequency. What carries a source gives it sidebands:
+/// Combinations with a physical cause that come near the frequency. Sidebands of a source, and the motions that they come from:
 /// - harmonics of the shaft and of the ball passage under the load: shaft, passage, cage;
 /// - ball passage of an outer raceway that turns: its ring;
 /// - ball passage of the inner raceway: shaft;
