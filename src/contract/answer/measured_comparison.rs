@@ -1,7 +1,8 @@
 //! Levels and lines of a measured record beside those of a prediction.
 
-use raceway_core::measured::lines::{MeasuredLine, PredictedLine, SHIFT_BINS, lines_of, partners, peaks_of};
+use raceway_core::measured::lines::{MeasuredLine, PredictedLine, lines_of, partners, peaks_of};
 use raceway_core::measured::record::{Division, Record};
+use raceway_core::measured::shift::{SHIFT_BINS, Shifts};
 use raceway_core::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind, Spectrum};
 use raceway_core::simulation::recording::bands::{LOWEST_BIN, SEVERITY_BAND};
 use raceway_core::simulation::recording::sampling::BAND;
@@ -236,6 +237,16 @@ fn other_peaks(predicted: &SpectrumAnswer, listed: &[&LineAnswer], (from, to): (
     others.map(line).collect()
 }
 
+/// Predicted lines by the order of their shaft, which turns at a speed [Hz].
+fn by_order<'a>(lines: &[&'a LineAnswer], speed: f64) -> Vec<PredictedLine<'a>> {
+    let line = |line: &&'a LineAnswer| PredictedLine {
+        order: line.frequency_hz / speed,
+        amplitude: line.amplitude,
+        label: &line.label,
+    };
+    lines.iter().map(line).collect()
+}
+
 /// Listed predicted lines with their partners, then other predicted peaks with theirs, strongest first; and lines without one. `speeds`: of the
 /// predicted and of the measured shaft [Hz].
 fn compared_lines(
@@ -247,10 +258,12 @@ fn compared_lines(
 ) -> (Vec<LineComparisonAnswer>, UnmatchedLinesAnswer) {
     let measured = lines_of(spectrum, highest);
     let of_shaft = |line: &LineAnswer| line.frequency_hz / speeds[0];
+    let reach = SHIFT_BINS * spectrum.resolution / speeds[1];
+    let orders =
+        |measured: &[MeasuredLine]| measured.iter().map(|line| line.frequency / speeds[1]).collect::<Vec<f64>>();
+    let shifts = Shifts::of(&by_order(listed, speeds[0]), &orders(&measured), reach);
     let partners = |predicted: &[&LineAnswer], measured: &[MeasuredLine]| {
-        let line = |line: &&LineAnswer| PredictedLine { order: of_shaft(line), amplitude: line.amplitude };
-        let by_order: Vec<PredictedLine> = predicted.iter().map(line).collect();
-        partners(&by_order, measured, speeds[1], spectrum.resolution)
+        partners(&by_order(predicted, speeds[0]), &orders(measured), &shifts, reach)
     };
     let compared = |line: &LineAnswer, found: &MeasuredLine| {
         let (predicted_order, measured_order) = (of_shaft(line), found.frequency / speeds[1]);

@@ -1,13 +1,8 @@
 //! Lines of a measured spectrum, and their partners among predicted lines.
 
+use super::shift::Shifts;
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::simulation::result::lines::{floor, line_bins, peak_bins};
-
-/// Largest shift of a line against its prediction [-]. Slip of the cage, an unknown contact angle and an error of the stated speed move lines by
-/// up to 1 % (docs/how-to/compare-a-measurement.md).
-pub const MOST_SHIFT: f64 = 0.02;
-/// Shift within which a line may always lie, in bins: a line between two bins is found to a fraction of one.
-pub const SHIFT_BINS: f64 = 1.5;
 
 /// A line of a measured spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,9 +16,11 @@ pub struct MeasuredLine {
 
 /// A predicted line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PredictedLine {
+pub struct PredictedLine<'a> {
     pub order: f64,
     pub amplitude: f64,
+    /// As in a result, such as `2·BPFO − f_r@A`; empty without one.
+    pub label: &'a str,
 }
 
 /// Lines of a spectrum up to `highest` [Hz], strongest first, interpolated between bins.
@@ -45,16 +42,11 @@ fn interpolated(spectrum: &Spectrum, bins: Vec<usize>) -> Vec<MeasuredLine> {
     bins.into_iter().map(line).collect()
 }
 
-/// Number of the measured line that belongs to each predicted one. It is the strongest one within 2 % of its order and within half the distance
-/// to the next predicted line, but always within 1.5 bins. A measured line has one partner; stronger predicted lines choose first.
+/// Number of the measured line that belongs to each predicted one: the strongest within the reach of the shift of its series. A measured line has
+/// one partner; stronger predicted lines choose first.
 ///
-/// `measured`: strongest first. `speed`: of the measured shaft [Hz]. `resolution` [Hz].
-pub fn partners(
-    predicted: &[PredictedLine],
-    measured: &[MeasuredLine],
-    speed: f64,
-    resolution: f64,
-) -> Vec<Option<usize>> {
+/// `measured`: orders, strongest first. `reach`: [`SHIFT_BINS`] as orders.
+pub fn partners(predicted: &[PredictedLine<'_>], measured: &[f64], shifts: &Shifts, reach: f64) -> Vec<Option<usize>> {
     let mut sequence: Vec<usize> = (0..predicted.len()).collect();
     sequence.sort_by(|a, b| predicted[*b].amplitude.total_cmp(&predicted[*a].amplitude));
     let (mut found, mut is_taken) = (vec![None; predicted.len()], vec![false; measured.len()]);
@@ -62,9 +54,8 @@ pub fn partners(
         let order = predicted[own].order;
         let others = predicted.iter().enumerate().filter(|(other, _)| *other != own);
         let nearest = others.map(|(_, other)| (other.order - order).abs()).fold(f64::INFINITY, f64::min);
-        let reach = (MOST_SHIFT * order).min(0.5 * nearest).max(SHIFT_BINS * resolution / speed);
-        let is_near = |line: &MeasuredLine| (line.frequency / speed - order).abs() <= reach;
-        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && is_near(&measured[*k]));
+        let (low, high) = shifts.range(&predicted[own], nearest, reach);
+        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && (low..=high).contains(&measured[*k]));
         if let Some(partner) = found[own] {
             is_taken[partner] = true;
         }

@@ -7,6 +7,8 @@ pub mod tachometer;
 
 pub mod record;
 
+pub mod shift;
+
 pub mod lines;
 
 #[cfg(test)]

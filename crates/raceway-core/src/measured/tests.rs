@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::lines::{MeasuredLine, PredictedLine, lines_of, partners};
+use super::lines::{PredictedLine, lines_of, partners};
 use super::record::{Division, Record, Turning};
+use super::shift::Shifts;
 use super::tachometer::{Tachometer, middle, pulses_of};
 use crate::simulation::input::settings::ENVELOPE;
 use crate::simulation::recording::sampling::RATE;
@@ -109,15 +110,63 @@ fn pulses_are_counted_once() {
     assert!(pulses_of(&[], rate, 0.0).is_empty() && pulses_of(&[1.0; 9], rate, 1.0).is_empty());
 }
 
+/// Partners of predicted lines (order, amplitude, label) among measured orders, strongest first.
+fn paired(predicted: &[(f64, f64, &str)], measured: &[f64], reach: f64) -> Vec<Option<usize>> {
+    let predicted: Vec<PredictedLine<'_>> =
+        predicted.iter().map(|&(order, amplitude, label)| PredictedLine { order, amplitude, label }).collect();
+    partners(&predicted, measured, &Shifts::of(&predicted, measured, reach), reach)
+}
+
 #[test]
-fn predicted_lines_find_their_partners() {
-    let predicted = [(1.0, 0.1), (4.0, 1.0), (4.2, 0.5), (9.0, 0.2)];
-    let predicted = predicted.map(|(order, amplitude)| PredictedLine { order, amplitude });
-    let line = |order: f64, amplitude| MeasuredLine { frequency: order * SPEED, amplitude, over_floor: None };
+fn lines_without_labels_find_their_partners() {
+    let predicted = [(1.0, 0.1, ""), (4.0, 1.0, ""), (4.2, 0.5, ""), (9.0, 0.2, "")];
     // Strongest first: a line of the rig, the first two shifted by 1 %, and a weak one nearer to the first.
-    let measured = [line(6.0, 9.0), line(3.96, 2.0), line(4.158, 1.0), line(4.01, 0.1), line(1.03, 0.1)];
-    assert_eq!(partners(&predicted, &measured, SPEED, 0.5), [None, Some(1), Some(2), None]);
+    let measured = [6.0, 3.96, 4.158, 4.01, 1.03];
+    assert_eq!(paired(&predicted, &measured, 0.015), [None, Some(1), Some(2), None]);
     // Wide bins find the shaft, too.
-    assert_eq!(partners(&predicted, &measured, SPEED, 1.1)[0], Some(4));
-    assert!(partners(&[], &measured, SPEED, 1.0).is_empty());
+    assert_eq!(paired(&predicted, &measured, 0.033)[0], Some(4));
+    assert!(paired(&[], &measured, 0.03).is_empty());
+}
+
+/// Harmonics of BPFO at their places, and beside three of them stronger lines of the machine, 1.2 to 1.8 % away.
+#[test]
+fn a_series_shares_its_shift() {
+    let labels = ["BPFO", "2·BPFO", "3·BPFO", "8·BPFO", "11·BPFO", "15·BPFO"];
+    let orders = [1.0, 2.0, 3.0, 8.0, 11.0, 15.0].map(|harmonic| 3.585 * harmonic);
+    let predicted: Vec<(f64, f64, &str)> =
+        orders.iter().zip(labels).map(|(order, label)| (*order, 1.0 / order, label)).collect();
+    let stray = [(8.0, 1.018), (11.0, 0.988), (15.0, 1.012)].map(|(harmonic, away)| 3.585 * harmonic * away);
+    for shift in [1.0, 1.00001, 0.994, 1.013] {
+        let measured: Vec<f64> = stray.into_iter().chain(orders.map(|order| shift * order)).collect();
+        let expected: Vec<Option<usize>> = (3..9).map(Some).collect();
+        assert_eq!(paired(&predicted, &measured, 0.015), expected, "{shift}");
+    }
+}
+
+/// Slip shifts the ball passages and leaves the shaft where it is; a wrong speed shifts both. Two bearings slip by different amounts.
+#[test]
+fn sidebands_of_the_shaft_do_not_slip() {
+    let (one, other) = (3.585, 5.415);
+    let predicted = [
+        (10.0 * one, 0.9, "10·BPFO@A"),
+        (10.0 * one - 4.0, 0.5, "10·BPFO − 4·f_r@A"),
+        (8.0 * one + 2.0, 0.4, "8·BPFO + 2·f_r@A"),
+        (7.0 * other, 0.8, "7·BPFO@B"),
+        (8.0 * other, 0.7, "8·BPFO@B"),
+        (1.0, 0.6, "f_r"),
+        (3.0, 0.3, "3·f_r"),
+    ];
+    let expected: Vec<Option<usize>> = (0..7).map(Some).collect();
+    let slipped = [9.94 * one, 9.94 * one - 4.0, 7.952 * one + 2.0, 7.091 * other, 8.104 * other, 1.0, 3.0];
+    assert_eq!(paired(&predicted, &slipped, 0.01), expected);
+    let fast = predicted.map(|(order, ..)| 0.993 * order);
+    assert_eq!(paired(&predicted, &fast, 0.01), expected);
+}
+
+/// A peak of the prediction without a label lies where the best known series says, and not at a stronger line elsewhere.
+#[test]
+fn unlabelled_peaks_follow_the_best_shift() {
+    let predicted = [(30.0, 1.0, "6·BPFO"), (40.0, 0.9, "8·BPFO"), (25.0, 0.1, "")];
+    assert_eq!(paired(&predicted, &[25.4, 29.85, 39.8, 24.875], 0.02), [Some(1), Some(2), Some(3)]);
+    assert_eq!(paired(&predicted, &[25.4, 29.85, 39.8], 0.02), [Some(1), Some(2), None]);
 }
