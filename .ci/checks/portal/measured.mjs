@@ -162,6 +162,7 @@ function spectra({ spectrumOf, linesOf, peaksOf, comparedLines, comparedLevels, 
   // Peaks of the prediction that are no listed lines have partners, too.
   const weaker = comparedLines(named.slice(0, 1), lines, [SPEED, SPEED], 1, peaksOf(predicted, 20000));
   assert.deepEqual([weaker.lines.length, weaker.others.length], [3, 0]);
+  seriesShareTheirShift(comparedLines);
   const compare = (values, rate, speed, length = 1) => {
     const measured = spectrumOf(values, rate, 1, length);
     const { lines: found, others } = comparedLines(named, linesOf(measured, 20000), [SPEED, speed], 1);
@@ -188,6 +189,20 @@ function spectra({ spectrumOf, linesOf, peaksOf, comparedLines, comparedLevels, 
   near(turned.speed_hz, 1.01 * SPEED, 1e-4, 'speed by the tachometer');
   worst(compare(turned.values, RATE, turned.speed_hz), null, 0, [0, 5e-3]);
   assert.throws(() => byAngle(fast, RATE, [0.1, 0.2], 1), /2 pulses within the record/);
+}
+
+/** Harmonics of BPFO and sidebands of the shaft beside stronger lines of the machine, as in the tests of the API. */
+function seriesShareTheirShift(comparedLines) {
+  const line = (order, label) => ({ frequency_hz: SPEED * order, amplitude: 1 / order, label });
+  const harmonics = [1, 2, 3, 8, 11, 15].map((k) => line(3.585 * k, k === 1 ? 'BPFO' : `${k}·BPFO`));
+  const predicted = [...harmonics, line(10 * 3.585 - 4, '10·BPFO − 4·f_r'), line(3, '3·f_r')];
+  const stray = [8 * 1.018, 11 * 0.988, 15 * 1.012].map((k) => line(3.585 * k));
+  for (const shift of [1, 0.994, 1.013]) {
+    const slipped = [...harmonics.map(({ frequency_hz }) => line((shift * frequency_hz) / SPEED)), line(10 * 3.585 * shift - 4), line(3)];
+    const { lines, others } = comparedLines(predicted, [...stray, ...slipped], [SPEED, SPEED], 0.5);
+    lines.forEach((row, k) => near(row.measured_order, slipped[k].frequency_hz / SPEED, 1e-9, `${row.label} at a shift of ${shift}`));
+    assert.deepEqual(others.map((one) => one.order), stray.map((one) => one.frequency_hz / SPEED));
+  }
 }
 
 /** A file on an opened result of a run at 3000 r/min: no request carries it. */

@@ -14,6 +14,10 @@ const LEAST_SHARE = 1e-3;
 const MOST_WEAKER = 20;
 /** Largest shift of a line against its prediction: slip, contact angle and speed move lines by about 1 %. */
 const MOST_SHIFT = 0.02;
+/** Distance from its expected place within which a line may always lie, in bins. */
+const SHIFT_BINS = 1.5;
+/** Label of the rotation of the shaft. */
+const SHAFT = 'f_r';
 /** Share of the sampling rate up to which a record is compared, as in the API. */
 const PASS = 0.4;
 /** Least number of pulses: the slope at each is that between its neighbours. */
@@ -24,12 +28,12 @@ const ROUNDING = 1e-12;
 
 /** Refuses a signal whose values are all equal: its levels would be 0. */
 export function requireVibration({ name, values }) {
-  const [least, most] = rangeOf(values);
+  const [least, most] = extremesOf(values);
   if (most - least <= ROUNDING * Math.max(Math.abs(least), Math.abs(most))) throw new Error(`All values of ${name} are ${most}: there is no vibration to compare.`);
 }
 
 /** Least and greatest value. */
-const rangeOf = (values) => values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+const extremesOf = (values) => values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
 
 /** Values of a signal at equal angles in place of equal times, by the times of pulses [s]: `{ values, speed_hz }` at the same rate. A frequency is
  *  then an order times the mean speed. */
@@ -54,7 +58,7 @@ export function byAngle(values, rate, pulses, perTurn) {
 
 /** Times at which a signal rises through the middle of its range [s]. */
 export function pulsesOf(signal, rate) {
-  const [least, most] = rangeOf(signal);
+  const [least, most] = extremesOf(signal);
   const threshold = (least + most) / 2;
   const armedBelow = threshold - 0.1 * (most - least);
   const pulses = [];
@@ -267,17 +271,80 @@ function interpolated(amplitude, bin) {
 
 const decibels = (measured, predicted) => (measured > 0 && predicted > 0 ? 20 * Math.log10(measured / predicted) : null);
 
-/** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. `speeds_hz`: of the predicted and
- *  of the measured shaft. */
-function partnersOf(predicted, measured, [own, other], resolution) {
-  const orders = predicted.map((line) => line.frequency_hz / own);
+/** Source of a line such as `2·BPFO + f_r − FTF@A`, and the part of its order that comes from the shaft; `null` without a label. */
+function sourceOf(label) {
+  if (!label) return null;
+  const [sum, bearing = ''] = label.split('@');
+  const terms = sum.replaceAll(' − ', ' + −').split(' + ').map((text) => {
+    const [order, name] = text.includes('·') ? text.replace('−', '').split('·') : ['1', text.replace('−', '')];
+    return { name, order: (text.startsWith('−') ? -1 : 1) * Number(order) };
+  });
+  const slipping = terms.find(({ name }) => name !== SHAFT);
+  // The whole order of a line of the shaft shifts, if the stated speed is wrong.
+  if (!slipping) return { series: SHAFT, ofShaft: 0 };
+  const ofShaft = terms.filter(({ name }) => name === SHAFT).reduce((total, { order }) => total + order, 0);
+  return { series: `${slipping.name}@${bearing}`, ofShaft };
+}
+
+/** Orders between which a line lies at a shift of its series. Slip leaves the part of the shaft in place; a wrong speed shifts it, too. */
+function rangeOf({ order, ofShaft }, shift, reach) {
+  const ends = [order + shift * (order - ofShaft), order * (1 + shift)];
+  return [Math.min(...ends) - reach, Math.max(...ends) + reach];
+}
+
+const mostOf = (order, reach) => Math.max(MOST_SHIFT * order, reach);
+const isWithin = (order, [low, high]) => low <= order && order <= high;
+
+/** The shift of lines that is least likely by chance, and its evidence, as in the API; `null` where nothing was measured in reach. */
+function commonShift(lines, measured, reach) {
+  const near = lines.map(({ order }) => measured.filter((one) => Math.abs(one - order) <= mostOf(order, reach)));
+  // A line of this rank lies somewhere within the largest shift, and would lie in the range by chance with this probability.
+  const evidence = (shift) =>
+    lines.reduce((sum, line, k) => {
+      const range = rangeOf(line, shift, reach);
+      const rank = near[k].findIndex((order) => isWithin(order, range));
+      const chance = ((rank + 1) * (range[1] - range[0])) / (2 * mostOf(line.order, reach));
+      return rank < 0 ? sum : sum - Math.log(Math.min(chance, 1));
+    }, 0);
+  const shifts = lines.flatMap(({ order, ofShaft }, k) => near[k].map((one) => (one - order) / (order - ofShaft))).filter(Number.isFinite);
+  return shifts.map((shift) => ({ shift, evidence: evidence(shift) })).reduce((best, one) => (best && best.evidence >= one.evidence ? best : one), null);
+}
+
+/** Shift of each series of predicted lines `{ order, label }` against measured orders, strongest first, and the best one of all. */
+function shiftsOf(predicted, measured, reach) {
+  const members = new Map();
+  for (const { order, label } of predicted) {
+    const source = sourceOf(label);
+    if (source) members.set(source.series, [...(members.get(source.series) ?? []), { order, ofShaft: source.ofShaft }]);
+  }
+  const found = [...members].map(([series, lines]) => [series, commonShift(lines, measured, reach)]).filter(([, common]) => common);
+  const best = found.map(([, common]) => common).reduce((one, other) => (one && one.evidence >= other.evidence ? one : other), null);
+  return { bySeries: new Map(found.map(([series, { shift }]) => [series, shift])), best: best?.shift };
+}
+
+/** Orders between which the partner of a predicted line lies; `nearest`: distance to the next predicted line. */
+function reachOf({ order, label }, { bySeries, best }, nearest, reach) {
+  const source = sourceOf(label);
+  if (source) {
+    const shift = bySeries.get(source.series);
+    return shift === undefined ? [order, order] : rangeOf({ order, ofShaft: source.ofShaft }, shift, reach);
+  }
+  const shifted = best === undefined ? [-MOST_SHIFT, MOST_SHIFT] : [Math.min(best, 0), Math.max(best, 0)];
+  const cap = Math.max(nearest / 2, reach);
+  const margin = best === undefined ? 0 : reach;
+  const [low, high] = shifted.map((shift) => shift * order);
+  return [Math.min(Math.max(low - margin, -cap), -reach) + order, Math.max(Math.min(high + margin, cap), reach) + order];
+}
+
+/** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. Both have orders. */
+function partnersOf(predicted, measured, shifts, reach) {
   const taken = new Set();
   const partners = predicted.map(() => undefined);
   const sequence = predicted.map((_, k) => k).sort((a, b) => predicted[b].amplitude - predicted[a].amplitude);
   for (const k of sequence) {
-    const nearest = orders.reduce((least, order, i) => (i === k ? least : Math.min(least, Math.abs(order - orders[k]))), Infinity);
-    const reach = Math.max(Math.min(MOST_SHIFT * orders[k], nearest / 2), (1.5 * resolution) / other);
-    partners[k] = measured.find((line) => !taken.has(line) && Math.abs(line.frequency_hz / other - orders[k]) <= reach);
+    const nearest = predicted.reduce((least, { order }, i) => (i === k ? least : Math.min(least, Math.abs(order - predicted[k].order))), Infinity);
+    const range = reachOf(predicted[k], shifts, nearest, reach);
+    partners[k] = measured.find((line) => !taken.has(line) && isWithin(line.order, range));
     if (partners[k]) taken.add(partners[k]);
   }
   return partners;
@@ -285,31 +352,31 @@ function partnersOf(predicted, measured, [own, other], resolution) {
 
 /** Predicted lines with their partners, by order, then weaker peaks of the prediction that were measured, and the measured lines where the
  *  prediction has none. `peaks`: all of the predicted spectrum. `speeds_hz`: of the predicted and of the measured shaft. */
-export function comparedLines(predicted, measured, speeds_hz, resolution, peaks = []) {
-  const [own, other] = speeds_hz;
-  const row = (line, found) => {
-    const [of_prediction, of_record] = [line.frequency_hz / own, found && found.frequency_hz / other];
-    return {
-      label: line.label,
-      predicted_order: of_prediction,
-      predicted_amplitude: line.amplitude,
-      ...(found && {
-        measured_order: of_record,
-        order_difference_percent: 100 * (of_record / of_prediction - 1),
-        measured_amplitude: found.amplitude,
-        level_ratio_db: decibels(found.amplitude, line.amplitude),
-        over_floor_db: found.over_floor_db,
-      }),
-    };
-  };
-  const partners = partnersOf(predicted, measured, speeds_hz, resolution);
-  const left = measured.filter((line) => !partners.includes(line));
-  const isListed = ({ frequency_hz }) => predicted.some((line) => Math.abs(line.frequency_hz - frequency_hz) <= 1.5 * resolution);
-  const weaker = peaks.filter((peak) => !isListed(peak));
-  const ofWeaker = partnersOf(weaker, left, speeds_hz, resolution);
+export function comparedLines(predicted, measured, [own, other], resolution, peaks = []) {
+  const reach = (SHIFT_BINS * resolution) / other;
+  const ordered = (lines, speed) => lines.map((line) => ({ ...line, order: line.frequency_hz / speed }));
+  const row = (line, found) => ({
+    label: line.label,
+    predicted_order: line.order,
+    predicted_amplitude: line.amplitude,
+    ...(found && {
+      measured_order: found.order,
+      order_difference_percent: 100 * (found.order / line.order - 1),
+      measured_amplitude: found.amplitude,
+      level_ratio_db: decibels(found.amplitude, line.amplitude),
+      over_floor_db: found.over_floor_db,
+    }),
+  });
+  const [listed, lines] = [ordered(predicted, own), ordered(measured, other)];
+  const shifts = shiftsOf(listed, lines.map(({ order }) => order), reach);
+  const partners = partnersOf(listed, lines, shifts, reach);
+  const left = lines.filter((line) => !partners.includes(line));
+  const isListed = ({ frequency_hz }) => predicted.some((line) => Math.abs(line.frequency_hz - frequency_hz) <= SHIFT_BINS * resolution);
+  const weaker = ordered(peaks.filter((peak) => !isListed(peak)), own);
+  const ofWeaker = partnersOf(weaker, left, shifts, reach);
   const found = weaker.map((line, k) => ofWeaker[k] && row(line, ofWeaker[k])).filter(Boolean);
   return {
-    lines: [...predicted.map((line, k) => row(line, partners[k])), ...found.slice(0, MOST_WEAKER)],
+    lines: [...listed.map((line, k) => row(line, partners[k])), ...found.slice(0, MOST_WEAKER)],
     others: left.filter((line) => !ofWeaker.includes(line)),
   };
 }
