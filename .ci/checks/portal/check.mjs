@@ -121,6 +121,8 @@ async function alone() {
 
 /** Titles name the lubricant that the service takes, and the preloads of a shaft. */
 function titles(title) {
+  const fitted = { preset: '6205', radial_clearance_group: 'C3', fits: { shaft: 'k5', housing: 'H7' } };
+  assert.match(title({ scene: { bearing: fitted } }), /^6205, clearance C3, fits k5\/H7 /);
   const of = (lubricant) => title({ scene: { bearing: '6205', operation: { speed_rpm: 3000 }, lubricant } }).split(' · ').slice(2).join();
   assert.deepEqual(
     [undefined, {}, 'grease', { kind: 'grease', fill: 0.1 }, { viscosity_pa_s: 0.02 }].map(of),

@@ -77,11 +77,17 @@ export const UNITS = {
 };
 const UNIT = new RegExp(`_(${Object.keys(UNITS).join('|')})$`);
 
+/** A field of a bearing in a title. */
+function fieldTitle([name, value]) {
+  if (name === 'radial_clearance_group') return `clearance ${value}`;
+  if (typeof value === 'number') return `${words(name.replace(UNIT, ''))} ${quantity(value, UNITS[name.match(UNIT)?.[1]])}`;
+  const classes = name === 'fits' ? [value?.shaft, value?.housing].filter(Boolean).join('/') : '';
+  return [words(name), classes].filter(Boolean).join(' ');
+}
+
 /** The fields of a preset that a request changes; the first two by name. */
 function changes(fields) {
-  const changed = Object.entries(fields).map(([name, value]) =>
-    name === 'radial_clearance_group' ? `clearance ${value}` : typeof value === 'number' ? `${words(name.replace(UNIT, ''))} ${quantity(value, UNITS[name.match(UNIT)?.[1]])}` : words(name),
-  );
+  const changed = Object.entries(fields).map(fieldTitle);
   return changed.length > 2 ? [...changed.slice(0, 2), `${changed.length - 2} more`] : changed;
 }
 

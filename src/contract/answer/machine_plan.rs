@@ -8,11 +8,12 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::ordered::{ClearanceAnswer, DesignationAnswer, OilAnswer};
+use super::ordered::{self, ClearanceAnswer, DesignationAnswer, OilAnswer};
 use super::report::FrequenciesAnswer;
 use crate::contract::job::cost::CostAnswer;
 use crate::contract::job::machine::{MachineInput, MachineJob};
 use crate::contract::json::numbers::significant;
+use crate::contract::json::problem::FieldError;
 use crate::contract::json::units::{DEG, UM, US};
 use crate::contract::scene::scene_input::ResolvedScene;
 
@@ -37,6 +38,9 @@ pub struct MachinePlanAnswer {
     pub step_us: f64,
     /// Estimated cost of the job.
     pub cost: CostAnswer,
+    /// Fields whose values deserve a second look; they do not prevent the run.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<FieldError>,
 }
 
 /// What follows of a bearing before the run.
@@ -87,8 +91,18 @@ impl MachinePlanAnswer {
                 most_wall_time_s: Some(significant(most, 2)),
                 ..CostAnswer::default()
             },
+            warnings: job.scenes.iter().enumerate().flat_map(|(index, scene)| of_bearing(index, scene)).collect(),
         })
     }
+}
+
+/// Warnings of a bearing, with their place in the job.
+fn of_bearing(index: usize, scene: &ResolvedScene) -> impl Iterator<Item = FieldError> {
+    let place = format!("/scene/bearings/{index}");
+    ordered::warnings(scene).into_iter().map(move |warning| {
+        let field = warning.pointer.trim_start_matches("/scene").to_owned();
+        FieldError::new(format!("{place}{field}"), warning.detail)
+    })
 }
 
 fn planned(

@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 use crate::contract::json::numbers::{short, significant};
 use crate::contract::json::problem::FieldError;
 use crate::contract::scene::catalogue::ConfidenceName;
-use crate::contract::scene::mounting::OperatingClearance;
+use crate::contract::scene::mounting::{GROUP, OperatingClearance};
 use crate::contract::scene::oil::OilAtTemperature;
 use crate::contract::scene::scene_input::ResolvedScene;
 
@@ -200,15 +200,23 @@ impl From<&OilAtTemperature> for OilAnswer {
     }
 }
 
-/// Warnings of a clearance group without fits, and of an oil outside its law.
+/// Warnings of a clearance group without fits, of a clearance that fits and temperatures take away, and of an oil outside its law.
 pub fn warnings(scene: &ResolvedScene) -> Vec<FieldError> {
     let mut found = Vec::new();
-    if let Some(clearance) = scene.ordered.clearance.as_ref().filter(|clearance| !clearance.has_fits) {
-        let (group, unmounted) = (clearance.group.name(), short(clearance.unmounted_um));
-        let detail = format!(
-            "{group}, {unmounted} µm, is the clearance of the unmounted bearing; give `fits`, because the mounted clearance is smaller"
-        );
-        found.push(FieldError::new("/scene/bearing/radial_clearance_group", detail));
+    if let Some(clearance) = &scene.ordered.clearance {
+        let [unmounted, operating] = [clearance.unmounted_um, clearance.operating_um].map(short);
+        let group = clearance.group.name();
+        let mut warn = |detail: String| found.push(FieldError::new(GROUP, detail));
+        if !clearance.has_fits {
+            warn(format!(
+                "{group}, {unmounted} µm, is the clearance of the unmounted bearing; give `fits`, because the mounted clearance is smaller"
+            ));
+        }
+        if clearance.operating_um < 0.0 {
+            warn(format!(
+                "{group}, {unmounted} µm, is {operating} µm in operation, a radial preload; choose a group with more clearance or looser fits"
+            ));
+        }
     }
     if let Some(oil) = scene.ordered.oil.as_ref().filter(|oil| oil.kinematic_viscosity < WALTHER_LOWEST) {
         let (viscosity, temperature) = (short(significant(oil.kinematic_viscosity, 3)), short(oil.temperature));

@@ -27,15 +27,19 @@ pub fn mount(
         defaults.refuse(GROUP, format!("give either radial_clearance_group or {other}: both set the clearance"));
         return None;
     }
+    let kind = own.kind.or(base.kind).unwrap_or(BearingType::DeepGroove);
     let Some(group) = named.or(ordered.filter(|_| other.is_none())) else {
+        let detail = match kind {
+            BearingType::DeepGroove => "takes clearance from a group: give radial_clearance_group, too",
+            _ => "takes clearance from a group, which only deep-groove bearings have: leave it out",
+        };
         for (pointer, is_given) in [(FITS, fits.is_some()), (TEMPERATURES, temperatures.is_some())] {
             if is_given {
-                defaults.refuse(pointer, "takes clearance from a group: give radial_clearance_group, too");
+                defaults.refuse(pointer, detail);
             }
         }
         return None;
     };
-    let kind = own.kind.or(base.kind).unwrap_or(BearingType::DeepGroove);
     if kind != BearingType::DeepGroove {
         let instead = if kind == BearingType::AngularContact { "contact_angle_deg" } else { "radial_clearance_um" };
         let detail = format!("{}: groups are those of deep-groove bearings; give {instead} instead", group.name());

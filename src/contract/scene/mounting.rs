@@ -175,7 +175,7 @@ pub fn operating_clearance(
         housing_fit_um,
         temperature_um,
         operating_um,
-        has_fits: fits.is_some(),
+        has_fits: fits.is_some_and(FitsInput::is_given),
         shaft,
         housing,
     })
@@ -193,6 +193,12 @@ fn no_group(group: ClearanceGroup, bore: f64) -> String {
 }
 
 impl FitsInput {
+    /// Whether a fit is given, and not only a size of shaft or housing.
+    fn is_given(&self) -> bool {
+        let classes = [&self.shaft, &self.housing].into_iter().any(Option::is_some);
+        classes || [self.shaft_interference_um, self.housing_interference_um].into_iter().any(|one| one.is_some())
+    }
+
     /// The seat of the named class of the shaft; `None` without a class and after errors.
     fn shaft_seat(&self, bore: f64, defaults: &mut Defaults) -> Option<Seat> {
         let class = self.shaft.as_deref()?;

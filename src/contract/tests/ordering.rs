@@ -144,6 +144,25 @@ fn a_group_without_fits_warns() {
         assert_eq!(answer.warnings.len(), 1);
         assert_eq!(answer.warnings[0].pointer, "/scene/bearing/radial_clearance_group");
     }
+    let sizes_only = bearing(json!({"preset": "6205/C3", "fits": {"shaft_bore_mm": 5}}));
+    assert!(sizes_only.warnings[0].detail.contains("give `fits`"), "{:?}", sizes_only.warnings);
+}
+
+/// The normal group of a 6205 has 12.5 µm, and a seat with 20 µm of interference takes 16.1 µm.
+#[test]
+fn a_clearance_below_zero_warns() {
+    let answer = bearing(json!({"preset": "6205/CN", "fits": {"shaft_interference_um": 20}}));
+    let [warning] = &answer.warnings[..] else { panic!("one warning: {:?}", answer.warnings) };
+    assert_eq!(warning.pointer, "/scene/bearing/radial_clearance_group");
+    assert!(warning.detail.contains("CN, 12.5 µm, is -3.58 µm in operation"), "{}", warning.detail);
+}
+
+#[test]
+fn fits_are_those_of_deep_groove_bearings() {
+    let fits = json!({"shaft": "k5"});
+    assert_refused(json!({"preset": "7008C", "fits": fits}), json!("grease"), "bearing/fits", "leave it out");
+    let given = json!({"preset": "6205", "radial_clearance_um": 5, "fits": fits});
+    assert_refused(given, json!("grease"), "bearing/fits", "give radial_clearance_group, too");
 }
 
 /// Groups over 24 to 30 mm, and the middle of CN is the default.

@@ -239,6 +239,8 @@ fn a_machine_is_planned_without_a_run() {
     let [a, b] = &usual.bearings[..] else { panic!("two bearings") };
     assert_eq!((a.name.as_str(), b.name.as_str()), ("A", "B"));
     assert!(b.designation.is_some() && b.radial_clearance_um > a.radial_clearance_um);
+    let [warning] = &usual.warnings[..] else { panic!("one warning: {:?}", usual.warnings) };
+    assert_eq!(warning.pointer, "/scene/bearings/1/bearing/radial_clearance_group");
     assert!((a.dynamic_load_rating_n / 14_000.0 - 1.0).abs() < 0.05, "{}", a.dynamic_load_rating_n);
     assert!((a.frequencies_hz.ball_pass_outer / 358.5 - 1.0).abs() < 0.01, "{:?}", a.frequencies_hz);
     assert!(usual.defaults.contains(&"/duration_s".to_owned()));

@@ -82,7 +82,7 @@ pub enum Severity {
 /// `open-side`: An angular-contact bearing on a shaft carries thrust over its open side, where real rings come apart. Turn it round, or raise the
 /// preload.
 ///
-/// `unnamed-line`: No order, ball passage or load makes the strongest line of a machine, which may whirl by itself. Raise the preload.
+/// `unnamed-line`: No order, ball passage or load makes the strongest line of a machine, which may whirl by itself. Widen the pockets of its cages.
 ///
 /// `velocity-not-resolved`: The record is too short for the velocity from 10 to 1000 Hz. Set `duration_s` to 0.2 or more.
 ///

@@ -54,8 +54,8 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             let [frequency_hz, amplitude] = [*frequency, *amplitude].map(|value| significant(value, 4));
             let text = format!(
                 "No order of the shaft, ball passage or load makes the strongest line of {channel}, {amplitude} m/s² at {frequency_hz} Hz. The shaft \
-                 may whirl by itself: balls that the pockets of a cage hold can drive it, which the linear analysis and `is_stable` leave out. More \
-                 preload, wider pockets, or bearings further apart may end it."
+                 may whirl by itself: balls that the pockets of a cage hold can drive it, which the linear analysis and `is_stable` leave out. Wider \
+                 pockets or bearings further apart may end it."
             );
             let values = vec![
                 ("channel", json!(channel)),
