@@ -247,6 +247,19 @@ pub(crate) fn interpolated_peak(spectrum: &Spectrum, bin: usize) -> (f64, f64) {
     (frequency(bin as f64 + offset), at / hann_main_lobe(offset))
 }
 
+/// Distance between the places of a tone by either neighbour of its strongest bin [Hz]. It is 0 for a steady tone under a Hann window, and grows where
+/// a line is broad, stands in noise or has others beside it.
+///
+/// From a₊/a₀ = (1 + δ)/(2 − δ) and a₋/a₀ = (1 − δ)/(2 + δ), as in [`interpolated_peak`].
+pub(crate) fn spread_of_place(spectrum: &Spectrum, bin: usize) -> f64 {
+    let offset = |neighbour: usize| {
+        let ratio = spectrum.amplitude.get(neighbour)? / spectrum.amplitude.get(bin)?;
+        Some((2.0 * ratio - 1.0) / (ratio + 1.0))
+    };
+    let places = bin.checked_sub(1).and_then(offset).zip(offset(bin + 1));
+    places.map_or(f64::INFINITY, |(before, after)| spectrum.resolution * (after + before).abs())
+}
+
 /// Reading of a bin for a tone of amplitude 1 that lies `offset` bins away, |offset| < 1.
 fn hann_main_lobe(offset: f64) -> f64 {
     sinc(offset) / (1.0 - offset * offset)

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::numerics::spectrum::{Spectrum, interpolated_peak};
+use crate::numerics::spectrum::{Spectrum, interpolated_peak, spread_of_place};
 use crate::physics::kinematics::CharacteristicFrequencies;
 
 /// A line of a spectrum.
@@ -34,6 +34,9 @@ const LEAST_SHARE: f64 = 1e-3;
 pub(super) const TOLERANCE_BINS: f64 = 0.5;
 /// … plus this share of the terms that turn with the cage, the uncertainty of the mean slip of a run. The shaft does not slip.
 pub(super) const TOLERANCE_SHARE: f64 = 5e-4;
+/// A label is never off by more than the place of its line is uncertain, so that it is not taken by chance. Steady lines deviate by less than this
+/// many bins.
+const STEADY_BINS: f64 = 0.01;
 /// Smallest frequency of a label in tolerances: closer combs would fit any line.
 const SEPARATION: f64 = 6.0;
 /// Largest complexity of a label with more than one term.
@@ -143,8 +146,8 @@ impl LineSources<'_> {
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
-/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %, or
-/// the whirl of cage or spindle within this distance.
+/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %, and
+/// within the uncertainty of its place, or the whirl of cage or spindle.
 pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest: f64) -> Vec<Line> {
     let bins = line_bins(spectrum, highest);
     let mut lines: Vec<Line> = bins
@@ -153,7 +156,8 @@ pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest
         .take(2 * MAX_LINES)
         .map(|bin| {
             let (frequency, amplitude) = interpolated_peak(spectrum, bin);
-            let (label, deviation) = label(frequency, sources, spectrum.resolution);
+            let place = Place { frequency, spread: spread_of_place(spectrum, bin) };
+            let (label, deviation) = label(place, sources, spectrum.resolution);
             Line { frequency, amplitude, label, deviation }
         })
         .collect();
@@ -241,22 +245,35 @@ impl Term {
     }
 }
 
+/// Place of a line.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    frequency: f64,
+    /// Uncertainty of the frequency [Hz].
+    spread: f64,
+}
+
 /// The simplest combination near a frequency and the deviation from it; an empty label and 0 without one.
-fn label(frequency: f64, sources: &LineSources<'_>, resolution: f64) -> (String, f64) {
+fn label(Place { frequency, spread }: Place, sources: &LineSources<'_>, resolution: f64) -> (String, f64) {
     let of_bins = TOLERANCE_BINS * resolution;
-    let widest = of_bins + TOLERANCE_SHARE * frequency;
+    let largest = of_bins + TOLERANCE_SHARE * frequency;
     let mut best: Option<(f64, [Term; 3], f64)> = None;
-    for combination in combinations(frequency, sources, widest) {
+    for combination in combinations(frequency, sources, largest) {
         let deviation = frequency - combination.iter().map(|term| f64::from(term.order) * term.frequency).sum::<f64>();
         let complexity: f64 = combination.iter().map(Term::complexity).sum();
         let terms = combination.iter().filter(|term| term.order != 0).count();
         // A carrier of any order may have one plain sideband, if that fits well, and any driven ones.
         let sides: f64 = combination[1..].iter().map(Term::complexity).sum();
         let are_driven = combination[1..].iter().all(|term| term.order == 0 || term.driven);
-        let tolerance = of_bins + TOLERANCE_SHARE * frequency.min(slipping(&combination));
+        let of_slip = TOLERANCE_SHARE * frequency.min(slipping(&combination));
+        let tolerance = of_bins + of_slip;
+        // Whirl has only a mean rate.
+        let is_whirl = [CAGE_WHIRL, SPINDLE_WHIRL].contains(&combination[0].name);
+        let of_place = STEADY_BINS * resolution + spread + of_slip;
+        let widest = if is_whirl { tolerance } else { tolerance.min(of_place) };
         let is_near = |share: f64| deviation.abs() <= share * tolerance;
         let plain = sides <= PLAIN_SIDEBAND && is_near(GOOD_FIT) || are_driven && is_near(DRIVEN_FIT);
-        if deviation.abs() > tolerance || (terms > 1 && complexity > LARGEST_COMPLEXITY && !plain) {
+        if deviation.abs() > widest || (terms > 1 && complexity > LARGEST_COMPLEXITY && !plain) {
             continue;
         }
         let cost = combination.iter().map(Term::cost).sum::<f64>() + DEVIATION_COST * deviation.abs() / tolerance;
@@ -419,6 +436,11 @@ mod tests {
 
     const RATE: f64 = 102_400.0;
 
+    /// Label of a line whose place is uncertain.
+    fn placed(frequency: f64, sources: &LineSources<'_>, resolution: f64) -> (String, f64) {
+        label(Place { frequency, spread: resolution }, sources, resolution)
+    }
+
     /// The bearing of the article with seven balls at 50 000 r/min.
     fn seven_balls() -> CharacteristicFrequencies {
         let (shaft, cage) = (833.333, 327.634);
@@ -438,7 +460,7 @@ mod tests {
     }
 
     fn labelled(frequency: f64) -> String {
-        label(frequency, &without_whirl(seven_balls()), 10.0).0
+        placed(frequency, &without_whirl(seven_balls()), 10.0).0
     }
 
     /// A load has precedence over the order of the shaft at its frequency, and sidebands beside the ball passage.
@@ -447,7 +469,7 @@ mod tests {
         let f = seven_balls();
         let loads = [1666.666, 432.1];
         let loaded = LineSources { loads: &loads, ..without_whirl(f) };
-        let of = |frequency: f64| label(frequency, &loaded, 1.0).0;
+        let of = |frequency: f64| placed(frequency, &loaded, 1.0).0;
         assert_eq!([of(1666.666), of(864.2), of(833.333)], ["load", "2·load", "f_r"]);
         assert_eq!(of(f.ball_pass_outer - 432.1), "BPFO − load");
         assert_eq!(of(f.ball_pass_outer), "BPFO");
@@ -515,13 +537,27 @@ mod tests {
             ball_pass_inner: 8.0 * shaft - passage,
             ball_spin: 0.0,
         };
-        assert_eq!(label(1230.6387, &without_whirl(frequencies), 9.0).0, "8·BPFO");
-        assert_eq!(label(1230.85, &without_whirl(frequencies), 9.0).0, "5·BPFI");
+        assert_eq!(placed(1230.6387, &without_whirl(frequencies), 9.0).0, "8·BPFO");
+        assert_eq!(placed(1230.85, &without_whirl(frequencies), 9.0).0, "5·BPFI");
+    }
+
+    /// A steady tone 0.3 bins beside 4·BSF is not labelled by it; a line whose frequency wanders by as much is.
+    #[test]
+    fn no_label_by_chance() {
+        let f = CharacteristicFrequencies { ball_spin: 200.225, ..seven_balls() };
+        let sources = without_whirl(f);
+        let beside = 4.0 * f.ball_spin + 3.0;
+        let of = |spread: f64| label(Place { frequency: beside, spread }, &sources, 10.0).0;
+        assert_eq!([of(0.0), of(0.5), of(3.0)], ["", "", "4·BSF"]);
+        let steady = find_lines(&spectrum_of(&[(beside, 1.0)], 0.0), &sources, 5000.0);
+        assert!((steady[0].frequency - beside).abs() < 0.05 && steady[0].label.is_empty(), "{steady:?}");
+        let wandering = find_lines(&spectrum_of(&[(beside, 1.0), (beside - 5.0, 0.6)], 0.0), &sources, 5000.0);
+        assert_eq!(wandering[0].label, "4·BSF", "{wandering:?}");
     }
 
     #[test]
     fn frequency_near_no_combination_has_no_label() {
-        let (label, deviation) = label(2400.0, &without_whirl(seven_balls()), 10.0);
+        let (label, deviation) = placed(2400.0, &without_whirl(seven_balls()), 10.0);
         assert_eq!((label.as_str(), deviation), ("", 0.0));
     }
 
@@ -539,12 +575,12 @@ mod tests {
             ball_spin: 0.0,
         };
         let whirling = LineSources { cage_whirl: 13.7 * cage, spindle_whirl: 900.0, ..without_whirl(frequencies) };
-        assert_eq!(label(1962.0, &whirling, 10.0).0, "cage whirl");
-        assert_eq!(label(901.0, &whirling, 10.0).0, "spindle whirl");
+        assert_eq!(placed(1962.0, &whirling, 10.0).0, "cage whirl");
+        assert_eq!(placed(901.0, &whirling, 10.0).0, "spindle whirl");
         let driven = LineSources { spindle_whirl: 1962.0, ..whirling };
-        assert_eq!(label(1962.0, &driven, 10.0).0, "cage whirl");
+        assert_eq!(placed(1962.0, &driven, 10.0).0, "cage whirl");
         let together = LineSources { cage_whirl: 17.0 * cage, ..whirling };
-        assert_eq!(label(17.0 * cage, &together, 10.0).0, "BPFO", "the ball passage makes this orbit");
+        assert_eq!(placed(17.0 * cage, &together, 10.0).0, "BPFO", "the ball passage makes this orbit");
     }
 
     /// Without the defect, a sideband of second order beside a high harmonic has no label.
@@ -554,10 +590,10 @@ mod tests {
         let defect = LineSources { uneven_inner: true, ..without_whirl(f) };
         for (q, n, text) in [(6.0, -2.0, "6·BPFI − 2·f_r"), (5.0, 3.0, "5·BPFI + 3·f_r")] {
             let frequency = q * f.ball_pass_inner + n * f.shaft;
-            assert_eq!(label(frequency, &defect, 1.0).0, text);
-            assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
+            assert_eq!(placed(frequency, &defect, 1.0).0, text);
+            assert_ne!(placed(frequency, &without_whirl(f), 1.0).0, text);
         }
-        assert_eq!(label(6.0 * f.ball_pass_inner - 2.0 * f.shaft + 6.0, &defect, 1.0).0, "");
+        assert_eq!(placed(6.0 * f.ball_pass_inner - 2.0 * f.shaft + 6.0, &defect, 1.0).0, "");
         // A tenth of a bin beside the formula, as in a run of 0.4 s.
         let motor = CharacteristicFrequencies {
             shaft: 29.95,
@@ -569,7 +605,7 @@ mod tests {
             ball_spin: 70.509,
         };
         let defect = LineSources { frequencies: motor, ..defect };
-        assert_eq!(label(11.0 * 162.108 - 29.95 + 0.24, &defect, 2.5).0, "11·BPFI − f_r");
+        assert_eq!(placed(11.0 * 162.108 - 29.95 + 0.24, &defect, 2.5).0, "11·BPFI − f_r");
     }
 
     /// Lines of a 6205 at 1797 r/min under 500 N, which simpler combinations nearly meet. An outer ring without defect has no line 0.4 bins
@@ -587,7 +623,7 @@ mod tests {
         };
         let ideal = without_whirl(motor);
         let spall = LineSources { uneven_inner: true, ..ideal };
-        let of = |sources: &LineSources<'_>, frequency: f64| label(frequency, sources, 1.0).0;
+        let of = |sources: &LineSources<'_>, frequency: f64| placed(frequency, sources, 1.0).0;
         assert_eq!(of(&spall, 1074.867), "7·BPFI − 2·f_r");
         assert_eq!(of(&spall, 1182.286), "6·BPFI + 7·f_r");
         assert_eq!(of(&spall, 12.30), "BPFI − 5·f_r");
@@ -614,8 +650,8 @@ mod tests {
             ("2·f_r", 2.0 * f.shaft),
         ] {
             let ideal = LineSources { spindle_whirl: frequency, ..without_whirl(f) };
-            assert_eq!(label(frequency, &ideal, 1.0).0, "spindle whirl");
-            assert_eq!(label(frequency, &LineSources { uneven_raceways: true, ..ideal }, 1.0).0, text);
+            assert_eq!(placed(frequency, &ideal, 1.0).0, "spindle whirl");
+            assert_eq!(placed(frequency, &LineSources { uneven_raceways: true, ..ideal }, 1.0).0, text);
         }
     }
 
@@ -628,14 +664,14 @@ mod tests {
         for (n, k, text) in [(2.0, -1.0, "2·BSF − FTF"), (6.0, 2.0, "6·BSF + 2·FTF"), (10.0, -1.0, "10·BSF − FTF")]
         {
             let frequency = n * f.ball_spin + k * f.cage;
-            assert_eq!(label(frequency, &even, 1.0).0, text);
-            assert_eq!(label(frequency, &all, 1.0).0, text);
+            assert_eq!(placed(frequency, &even, 1.0).0, text);
+            assert_eq!(placed(frequency, &all, 1.0).0, text);
             let whirling = LineSources { spindle_whirl: frequency + 0.2, ..even };
-            assert_eq!(label(frequency, &whirling, 1.0).0, text, "the ball drives the spindle round");
+            assert_eq!(placed(frequency, &whirling, 1.0).0, text, "the ball drives the spindle round");
         }
         let odd = 3.0 * f.ball_spin + f.cage;
-        assert_eq!(label(odd, &all, 1.0).0, "3·BSF + FTF");
-        assert_ne!(label(odd, &even, 1.0).0, "3·BSF + FTF");
+        assert_eq!(placed(odd, &all, 1.0).0, "3·BSF + FTF");
+        assert_ne!(placed(odd, &even, 1.0).0, "3·BSF + FTF");
     }
 
     /// Without unequal balls, a sideband of the cage beside a high harmonic has no label.
@@ -645,13 +681,13 @@ mod tests {
         let unequal = LineSources { unequal_balls: true, ..without_whirl(f) };
         for (q, n, text) in [(6.0, -2.0, "6·BPFO − 2·FTF"), (7.0, 1.0, "7·BPFO + FTF")] {
             let frequency = q * f.ball_pass_outer + n * f.cage;
-            assert_eq!(label(frequency, &unequal, 1.0).0, text);
-            assert_ne!(label(frequency, &without_whirl(f), 1.0).0, text);
+            assert_eq!(placed(frequency, &unequal, 1.0).0, text);
+            assert_ne!(placed(frequency, &without_whirl(f), 1.0).0, text);
         }
         for (order, text) in [(1.0, "FTF"), (2.0, "2·FTF"), (3.0, "3·FTF"), (8.0, "BPFO + FTF")] {
-            assert_eq!(label(order * f.cage, &unequal, 1.0).0, text);
+            assert_eq!(placed(order * f.cage, &unequal, 1.0).0, text);
             let whirling = LineSources { spindle_whirl: order * f.cage, ..unequal };
-            assert_eq!(label(order * f.cage, &whirling, 1.0).0, text, "the balls drive the spindle round");
+            assert_eq!(placed(order * f.cage, &whirling, 1.0).0, text, "the balls drive the spindle round");
         }
     }
 
@@ -673,8 +709,8 @@ mod tests {
             ball_pass_inner: 1415.6,
             ball_spin: 0.0,
         };
-        assert_eq!(label(3199.9, &without_whirl(of_twelve), 25.0).0, "");
-        assert_eq!(label(164.07, &without_whirl(of_twelve), 2.0).0, "2·FTF");
+        assert_eq!(placed(3199.9, &without_whirl(of_twelve), 25.0).0, "");
+        assert_eq!(placed(164.07, &without_whirl(of_twelve), 2.0).0, "2·FTF");
     }
 
     #[test]
@@ -689,8 +725,8 @@ mod tests {
             ball_pass_inner: 162.0,
             ball_spin: 70.0,
         };
-        assert_eq!(label(108.0, &without_whirl(slow), 10.0).0, "BPFO");
-        assert_eq!(label(120.0, &without_whirl(slow), 10.0).0, "");
+        assert_eq!(placed(108.0, &without_whirl(slow), 10.0).0, "BPFO");
+        assert_eq!(placed(120.0, &without_whirl(slow), 10.0).0, "");
         let standing = CharacteristicFrequencies {
             shaft: 0.0,
             cage: 0.0,
@@ -700,7 +736,7 @@ mod tests {
             ball_pass_inner: 0.0,
             ball_spin: 0.0,
         };
-        assert_eq!(label(120.0, &without_whirl(standing), 10.0), (String::new(), 0.0));
+        assert_eq!(placed(120.0, &without_whirl(standing), 10.0), (String::new(), 0.0));
     }
 
     #[test]
