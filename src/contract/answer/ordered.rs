@@ -204,7 +204,8 @@ impl From<&OilAtTemperature> for OilAnswer {
 pub fn warnings(scene: &ResolvedScene) -> Vec<FieldError> {
     let mut found = Vec::new();
     if let Some(clearance) = &scene.ordered.clearance {
-        let [unmounted, operating] = [clearance.unmounted_um, clearance.operating_um].map(short);
+        let [unmounted, operating] =
+            [clearance.unmounted_um, clearance.operating_um].map(|um| short(significant(um, 3)));
         let group = clearance.group.name();
         let mut warn = |detail: String| found.push(FieldError::new(GROUP, detail));
         if !clearance.has_fits {
