@@ -317,9 +317,11 @@ function shiftsOf(predicted, measured, reach) {
     const source = sourceOf(label);
     if (source) members.set(source.series, [...(members.get(source.series) ?? []), { order, ofShaft: source.ofShaft }]);
   }
-  const found = [...members].map(([series, lines]) => [series, commonShift(lines, measured, reach)]).filter(([, common]) => common);
+  // In the sequence of the API, so that equal evidence chooses the same.
+  const series = [...members.keys()].sort();
+  const found = series.map((name) => [name, commonShift(members.get(name), measured, reach)]).filter(([, common]) => common);
   const best = found.map(([, common]) => common).reduce((one, other) => (one && one.evidence >= other.evidence ? one : other), null);
-  return { bySeries: new Map(found.map(([series, { shift }]) => [series, shift])), best: best?.shift };
+  return { bySeries: new Map(found.map(([name, { shift }]) => [name, shift])), best: best?.shift };
 }
 
 /** Orders between which the partner of a predicted line lies; `nearest`: distance to the next predicted line. */
@@ -329,11 +331,10 @@ function reachOf({ order, label }, { bySeries, best }, nearest, reach) {
     const shift = bySeries.get(source.series);
     return shift === undefined ? [order, order] : rangeOf({ order, ofShaft: source.ofShaft }, shift, reach);
   }
-  const shifted = best === undefined ? [-MOST_SHIFT, MOST_SHIFT] : [Math.min(best, 0), Math.max(best, 0)];
+  const most = mostOf(order, reach);
+  const [low, high] = best === undefined ? [-most, most] : [Math.min(best, 0) * order - reach, Math.max(best, 0) * order + reach];
   const cap = Math.max(nearest / 2, reach);
-  const margin = best === undefined ? 0 : reach;
-  const [low, high] = shifted.map((shift) => shift * order);
-  return [Math.min(Math.max(low - margin, -cap), -reach) + order, Math.max(Math.min(high + margin, cap), reach) + order];
+  return [order + Math.max(low, -cap), order + Math.min(high, cap)];
 }
 
 /** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. Both have orders. */

@@ -44,34 +44,35 @@ impl Source {
     }
 }
 
-/// A predicted line of a series.
+/// A predicted line of a series, and the measured orders within the largest shift, strongest first.
 struct Member {
     order: f64,
     of_shaft: f64,
+    near: Vec<f64>,
 }
 
 impl Member {
-    /// Orders between which the line lies at a shift of its series. Slip leaves the part of the shaft in place; a wrong speed shifts it, too.
-    fn range(&self, shift: f64, reach: f64) -> (f64, f64) {
-        let by_slip = self.order + shift * (self.order - self.of_shaft);
-        let by_speed = self.order * (1.0 + shift);
-        (by_slip.min(by_speed) - reach, by_slip.max(by_speed) + reach)
-    }
-
-    /// Measured orders within the largest shift, strongest first, and their shifts.
-    fn candidates<'a>(&'a self, measured: &'a [f64], reach: f64) -> impl Iterator<Item = f64> + 'a {
-        let most = most(self.order, reach);
-        measured.iter().copied().filter(move |order| (order - self.order).abs() <= most)
+    /// Shifts of the series that move this line onto a measured one.
+    fn shifts(&self) -> impl Iterator<Item = f64> + '_ {
+        let slipping = self.order - self.of_shaft;
+        self.near.iter().map(move |order| (order - self.order) / slipping).filter(|shift| shift.is_finite())
     }
 
     /// Logarithm of the odds against chance of the strongest line in the range of a shift: a line of its rank lies somewhere within the largest
     /// shift, and would lie in the range with the share of its width, times the rank.
-    fn evidence(&self, shift: f64, candidates: &[f64], reach: f64) -> f64 {
-        let (low, high) = self.range(shift, reach);
-        let rank = candidates.iter().position(|order| (low..=high).contains(order));
+    fn evidence(&self, shift: f64, reach: f64) -> f64 {
+        let (low, high) = range(self.order, self.of_shaft, shift, reach);
+        let rank = self.near.iter().position(|order| (low..=high).contains(order));
         let chance = |rank: usize| (rank + 1) as f64 * (high - low) / (2.0 * most(self.order, reach));
         rank.map_or(0.0, |rank| -chance(rank).min(1.0).ln())
     }
+}
+
+/// Orders between which a line lies at a shift of its series. Slip leaves the part of the shaft in place; a wrong speed shifts it, too.
+fn range(order: f64, of_shaft: f64, shift: f64, reach: f64) -> (f64, f64) {
+    let by_slip = order + shift * (order - of_shaft);
+    let by_speed = order * (1.0 + shift);
+    (by_slip.min(by_speed) - reach, by_slip.max(by_speed) + reach)
 }
 
 /// Largest distance of a line from its predicted order.
@@ -79,12 +80,32 @@ fn most(order: f64, reach: f64) -> f64 {
     (MOST_SHIFT * order).max(reach)
 }
 
+/// Shift of a series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shift {
+    shift: f64,
+    /// Logarithm of the odds against chance.
+    evidence: f64,
+}
+
+impl Shift {
+    /// The shift of lines that is least likely by chance; `None` where nothing was measured near any of them.
+    fn of(lines: &[Member], reach: f64) -> Option<Self> {
+        let evidence = |shift: f64| lines.iter().map(|line| line.evidence(shift, reach)).sum();
+        let shifts = lines.iter().flat_map(Member::shifts);
+        shifts.map(|shift| Self { shift, evidence: evidence(shift) }).reduce(Self::better)
+    }
+
+    /// The one with more evidence, and the first of equal ones.
+    fn better(self, other: Self) -> Self {
+        if other.evidence > self.evidence { other } else { self }
+    }
+}
+
 /// Shifts by which measured lines differ from predicted ones [-], one for each series: harmonics of one frequency and their sidebands.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shifts {
-    by_series: BTreeMap<String, f64>,
-    /// That with the most evidence.
-    best: Option<f64>,
+    by_series: BTreeMap<String, Shift>,
 }
 
 impl Shifts {
@@ -93,48 +114,31 @@ impl Shifts {
     /// `measured`: orders, strongest first. `reach`: [`SHIFT_BINS`] as orders.
     pub fn of(predicted: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Self {
         let mut members: BTreeMap<String, Vec<Member>> = BTreeMap::new();
-        for line in predicted {
-            if let Some(Source { series, of_shaft }) = Source::of(line.label) {
-                members.entry(series).or_default().push(Member { order: line.order, of_shaft });
+        for &PredictedLine { order, label, .. } in predicted {
+            if let Some(Source { series, of_shaft }) = Source::of(label) {
+                let is_near = |other: &f64| (other - order).abs() <= most(order, reach);
+                let near = measured.iter().copied().filter(is_near).collect();
+                members.entry(series).or_default().push(Member { order, of_shaft, near });
             }
         }
-        let shifts = members.into_iter().filter_map(|(series, lines)| Some((series, common(&lines, measured, reach)?)));
-        let shifts: Vec<(String, (f64, f64))> = shifts.collect();
-        let best =
-            shifts.iter().map(|(_, found)| *found).reduce(|best, other| if other.1 > best.1 { other } else { best });
-        Self {
-            best: best.map(|(shift, _)| shift),
-            by_series: shifts.into_iter().map(|(series, (shift, _))| (series, shift)).collect(),
-        }
+        let shifts = members.into_iter().filter_map(|(series, lines)| Some((series, Shift::of(&lines, reach)?)));
+        Self { by_series: shifts.collect() }
     }
 
-    /// Orders between which the partner of a predicted line lies. A line without series lies between its order and that of the best shift, or
-    /// within the largest one, and is nearer to it than to the `nearest` predicted line.
+    /// Orders between which the partner of a predicted line lies. A line without series lies between its order and that of the shift with the
+    /// most evidence, or within the largest shift, and is nearer to it than to the `nearest` predicted line.
     pub(super) fn range(&self, line: &PredictedLine<'_>, nearest: f64, reach: f64) -> (f64, f64) {
         let order = line.order;
-        if let Some(source) = Source::of(line.label) {
-            let member = Member { order, of_shaft: source.of_shaft };
+        if let Some(Source { series, of_shaft }) = Source::of(line.label) {
             // Without a measured line in reach the series has no shift, and the line no partner.
-            return self.by_series.get(&source.series).map_or((order, order), |shift| member.range(*shift, reach));
+            let found = self.by_series.get(&series);
+            return found.map_or((order, order), |of_series| range(order, of_shaft, of_series.shift, reach));
         }
-        let shifted = self.best.map_or([-MOST_SHIFT, MOST_SHIFT], |shift| [shift.min(0.0), shift.max(0.0)]);
+        let (low, high) = match self.by_series.values().copied().reduce(Shift::better) {
+            Some(Shift { shift, .. }) => (shift.min(0.0) * order - reach, shift.max(0.0) * order + reach),
+            None => (-most(order, reach), most(order, reach)),
+        };
         let cap = (0.5 * nearest).max(reach);
-        let margin = if self.best.is_some() { reach } else { 0.0 };
-        let [low, high] = shifted.map(|shift| shift * order);
-        ((low - margin).max(-cap).min(-reach) + order, (high + margin).min(cap).max(reach) + order)
+        (order + low.max(-cap), order + high.min(cap))
     }
-}
-
-/// The shift of lines that is least likely by chance, and its evidence.
-fn common(lines: &[Member], measured: &[f64], reach: f64) -> Option<(f64, f64)> {
-    let candidates: Vec<Vec<f64>> = lines.iter().map(|line| line.candidates(measured, reach).collect()).collect();
-    let of_line = |(line, near): (&Member, &Vec<f64>)| {
-        let slipping = line.order - line.of_shaft;
-        near.iter().map(|order| (order - line.order) / slipping).filter(|shift| shift.is_finite()).collect::<Vec<f64>>()
-    };
-    let shifts = lines.iter().zip(&candidates).flat_map(of_line);
-    let evidence =
-        |shift: f64| lines.iter().zip(&candidates).map(|(line, near)| line.evidence(shift, near, reach)).sum();
-    let found = shifts.map(|shift| (shift, evidence(shift)));
-    found.reduce(|best: (f64, f64), other| if other.1 > best.1 { other } else { best })
 }
