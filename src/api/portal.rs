@@ -59,6 +59,7 @@ static FILES: [File; 53] = files! {
     "map.js": SCRIPT,
     "measured.js": SCRIPT,
     "measured-files.js": SCRIPT,
+    "measured-shift.js": SCRIPT,
     "measured-spectrum.js": SCRIPT,
     "messages.js": SCRIPT,
     "metrics.js": SCRIPT,
