@@ -85,7 +85,7 @@ impl From<UploadedSeries> for UploadedSeriesAnswer {
 /// Upload a series
 ///
 /// Values of a load, for `operation.loads[].series`. CSV has one value a line, after an optional heading, and `rate_hz` in the query. The same
-/// values have the same hash, and are stored once for each owner. They are kept 30 days after the last job that names them. All series of an
+/// values have the same hash, and are stored once for each owner. They are kept 30 days after the last request that names them. All series of an
 /// owner may take 1 GiB.
 #[utoipa::path(
     post, path = "/v1/series", tag = openapi::SCENES, operation_id = "uploadSeries", params(SeriesQuery),
