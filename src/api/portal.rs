@@ -35,7 +35,7 @@ macro_rules! files {
     };
 }
 
-static FILES: [File; 53] = files! {
+static FILES: [File; 54] = files! {
     "index.html": HTML,
     "style.css": CSS,
     "icon.svg": "image/svg+xml",

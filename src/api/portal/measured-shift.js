@@ -29,48 +29,64 @@ function rangeOf({ order, ofShaft }, shift, reach) {
 }
 
 const mostOf = (order, reach) => Math.max(MOST_SHIFT * order, reach);
-const isWithin = (order, [low, high]) => low <= order && order <= high;
+/** Number of places within the largest shift that a spectrum tells apart. */
+const placesOf = (order, reach) => mostOf(order, reach) / reach;
 
-/** The shift of lines that is least likely by chance, and its evidence, as in the API; `null` where nothing was measured in reach. */
-function commonShift(lines, measured, reach) {
-  const near = lines.map(({ order }) => measured.filter((one) => Math.abs(one - order) <= mostOf(order, reach)));
-  // A line of this rank lies somewhere within the largest shift, and would lie in the range by chance with this probability.
-  const evidence = (shift) =>
-    lines.reduce((sum, line, k) => {
-      const range = rangeOf(line, shift, reach);
-      const rank = near[k].findIndex((order) => isWithin(order, range));
-      const chance = ((rank + 1) * (range[1] - range[0])) / (2 * mostOf(line.order, reach));
-      return rank < 0 ? sum : sum - Math.log(Math.min(chance, 1));
-    }, 0);
-  const shifts = lines.flatMap(({ order, ofShaft }, k) => near[k].map((one) => (one - order) / (order - ofShaft))).filter(Number.isFinite);
-  return shifts.map((shift) => ({ shift, evidence: evidence(shift) })).reduce((best, one) => (best && best.evidence >= one.evidence ? best : one), null);
+/** Logarithm of the odds against chance of the strongest line in the range of a shift. A line of its rank or stronger would lie in the range by
+ *  chance with the probability rank over places. */
+function evidenceOf({ order, ofShaft, near }, shift, reach) {
+  const [low, high] = rangeOf({ order, ofShaft }, shift, reach);
+  const rank = near.findIndex((one) => low <= one && one <= high);
+  return rank < 0 ? 0 : -Math.log(Math.min(((rank + 1) * (high - low)) / (2 * mostOf(order, reach)), 1));
 }
 
-/** Shift of each series of predicted lines `{ order, label }` against measured orders, strongest first, and the best one of all. */
+/** Mean evidence at a shift that says nothing. */
+function byChance({ order, near }, reach) {
+  const places = placesOf(order, reach);
+  let sum = 0;
+  for (let rank = 1; rank <= Math.min(near.length, Math.floor(places)); rank += 1) sum += Math.log(places / rank) / places;
+  return sum;
+}
+
+const better = (one, other) => (other && (!one || other.odds > one.odds) ? other : one);
+
+const knownShift = (lines, value, reach) => ({ value, odds: lines.reduce((sum, line) => sum + evidenceOf(line, value, reach) - byChance(line, reach), 0) });
+
+/** The best shift that moves a predicted line onto a measured one. It pays for each place that might have been found. */
+function searchedShift(lines, reach) {
+  const places = Math.max(1, ...lines.filter(({ near }) => near.length > 0).map(({ order }) => placesOf(order, reach)));
+  const shifts = lines.flatMap(({ order, near }) => near.map((one) => one / order - 1));
+  const best = shifts.map((shift) => knownShift(lines, shift, reach)).reduce(better, null);
+  return best && { ...best, odds: best.odds - Math.log(places) };
+}
+
+/** The shifts with the most evidence. A series has none, that of the most evident series, or one of its own if that is worth its search.
+ *  `predicted`: `{ order, label }`; `measured`: orders, strongest first. */
 export function shiftsOf(predicted, measured, reach) {
   const members = new Map();
   for (const { order, label } of predicted) {
-    const source = sourceOf(label);
-    if (source) members.set(source.series, [...(members.get(source.series) ?? []), { order, ofShaft: source.ofShaft }]);
+    const { series, ofShaft } = sourceOf(label) ?? { series: '', ofShaft: 0 };
+    const near = measured.filter((one) => Math.abs(one - order) <= mostOf(order, reach));
+    members.set(series, [...(members.get(series) ?? []), { order, ofShaft, near }]);
   }
+  const own = (lines) => better(knownShift(lines, 0, reach), searchedShift(lines, reach));
   // In the sequence of the API, so that equal evidence chooses the same.
-  const series = [...members.keys()].sort();
-  const found = series.map((name) => [name, commonShift(members.get(name), measured, reach)]).filter(([, common]) => common);
-  const best = found.map(([, common]) => common).reduce((one, other) => (one && one.evidence >= other.evidence ? one : other), null);
-  return { bySeries: new Map(found.map(([name, { shift }]) => [name, shift])), best: best?.shift };
+  const names = [...members.keys()].sort();
+  const best = names.map((name) => own(members.get(name))).filter(({ odds }) => odds > 0).reduce(better, null)?.value;
+  const ofSeries = (lines) => {
+    const found = best === undefined ? own(lines) : better(knownShift(lines, best, reach), own(lines));
+    return found.odds > 0 ? found.value : (best ?? 0);
+  };
+  return { best, bySeries: new Map(names.map((name) => [name, ofSeries(members.get(name))])) };
 }
 
-/** Orders between which the partner of a predicted line lies; `nearest`: distance to the next predicted line. */
-function reachOf({ order, label }, { bySeries, best }, nearest, reach) {
+/** Whether a measured order may be the partner of a predicted line. A line whose source is unknown has its own order or that of the most evident
+ *  shift, and no partner where no shift is known. */
+function joins({ order, label }, { bySeries, best }, measured, reach) {
   const source = sourceOf(label);
-  if (source) {
-    const shift = bySeries.get(source.series);
-    return shift === undefined ? [order, order] : rangeOf({ order, ofShaft: source.ofShaft }, shift, reach);
-  }
-  const most = mostOf(order, reach);
-  const [low, high] = best === undefined ? [-most, most] : [Math.min(best, 0) * order - reach, Math.max(best, 0) * order + reach];
-  const cap = Math.max(nearest / 2, reach);
-  return [order + Math.max(low, -cap), order + Math.min(high, cap)];
+  if (!source) return best !== undefined && [order, order * (1 + best)].some((place) => Math.abs(measured - place) <= reach);
+  const [low, high] = rangeOf({ order, ofShaft: source.ofShaft }, bySeries.get(source.series) ?? best ?? 0, reach);
+  return low <= measured && measured <= high;
 }
 
 /** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. Both have orders. */
@@ -79,9 +95,7 @@ export function partnersOf(predicted, measured, shifts, reach) {
   const partners = predicted.map(() => undefined);
   const sequence = predicted.map((_, k) => k).sort((a, b) => predicted[b].amplitude - predicted[a].amplitude);
   for (const k of sequence) {
-    const nearest = predicted.reduce((least, { order }, i) => (i === k ? least : Math.min(least, Math.abs(order - predicted[k].order))), Infinity);
-    const range = reachOf(predicted[k], shifts, nearest, reach);
-    partners[k] = measured.find((line) => !taken.has(line) && isWithin(line.order, range));
+    partners[k] = measured.find((line) => !taken.has(line) && joins(predicted[k], shifts, line.order, reach));
     if (partners[k]) taken.add(partners[k]);
   }
   return partners;

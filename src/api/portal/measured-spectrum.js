@@ -291,10 +291,12 @@ export function comparedLines(predicted, measured, [own, other], resolution, pea
   const isListed = ({ frequency_hz }) => predicted.some((line) => Math.abs(line.frequency_hz - frequency_hz) <= SHIFT_BINS * resolution);
   const weaker = ordered(peaks.filter((peak) => !isListed(peak)), own);
   const ofWeaker = partnersOf(weaker, left, shifts, reach);
-  const found = weaker.map((line, k) => ofWeaker[k] && row(line, ofWeaker[k])).filter(Boolean);
+  const pairs = weaker.map((line, k) => [line, ofWeaker[k]]).filter(([, found]) => found).slice(0, MOST_WEAKER);
+  // A pair that is not shown leaves its measured line among the others.
+  const shown = pairs.map(([, found]) => found);
   return {
-    lines: [...listed.map((line, k) => row(line, partners[k])), ...found.slice(0, MOST_WEAKER)],
-    others: left.filter((line) => !ofWeaker.includes(line)),
+    lines: [...listed.map((line, k) => row(line, partners[k])), ...pairs.map(([line, found]) => row(line, found))],
+    others: left.filter((line) => !shown.includes(line)),
   };
 }
 

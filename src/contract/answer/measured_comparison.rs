@@ -287,8 +287,12 @@ fn compared_lines(
     let others: Vec<&LineAnswer> = others.iter().collect();
     let of_others = partners(&others, &left);
     let found = listed.iter().zip(&of_listed).filter_map(|(line, at)| Some(compared(line, &measured[(*at)?])));
-    let also_found = others.iter().zip(&of_others).filter_map(|(line, at)| Some(compared(line, &left[(*at)?])));
-    let lines = found.chain(also_found.take(MOST_LISTED)).collect();
+    let pairs = others.iter().zip(&of_others).filter_map(|(line, at)| Some((line, (*at)?)));
+    let shown: Vec<(&&LineAnswer, usize)> = pairs.take(MOST_LISTED).collect();
+    let also_found = shown.iter().map(|&(line, at)| compared(line, &left[at]));
+    let lines = found.chain(also_found).collect();
+    // A pair that is not shown leaves its measured line among those without partner.
+    let of_shown: Vec<Option<usize>> = shown.iter().map(|&(_, at)| Some(at)).collect();
     let alone = listed.iter().zip(&of_listed).filter(|(_, partner)| partner.is_none());
     let of_prediction = |(line, _): (&&LineAnswer, &Option<usize>)| UnmatchedLineAnswer {
         label: line.label.clone(),
@@ -304,7 +308,7 @@ fn compared_lines(
     };
     let unmatched = UnmatchedLinesAnswer {
         predicted: alone.map(of_prediction).collect(),
-        measured: without(&left, &of_others).into_iter().map(of_record).take(MOST_LISTED).collect(),
+        measured: without(&left, &of_shown).into_iter().map(of_record).take(MOST_LISTED).collect(),
     };
     (lines, unmatched)
 }

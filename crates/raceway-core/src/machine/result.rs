@@ -21,7 +21,7 @@ use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
 use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
-use crate::simulation::result::metrics::level_db;
+use crate::simulation::result::metrics::{level_db, line_sources};
 use crate::simulation::solve::eligibility::omissions;
 
 /// The result of a run, in the units of the channels.
@@ -258,26 +258,18 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
     if machine.bearings.is_empty() {
         return find_lines(spectrum, &LineSources::of_shaft(machine.rotor.speed, &loads), BAND);
     }
+    let is_uneven_inner = |bearing: &MachineBearing| !bearing.scene.surfaces.raceway.inner.is_ideal();
+    let shaft_is_marked = !machine.rotor.unbalances.is_empty() || machine.bearings.iter().any(is_uneven_inner);
     let mut best: Vec<BearingLine> = Vec::new();
     for (index, (bearing, metrics)) in machine.bearings.iter().zip(bearings).enumerate() {
-        let surfaces = &bearing.scene.surfaces;
-        let unequal_balls = bearing.scene.has_unequal_balls();
-        let sources = LineSources {
-            frequencies: metrics.frequencies,
-            cage_whirl: 0.0,
-            spindle_whirl: 0.0,
-            uneven_inner: !surfaces.raceway.inner.is_ideal(),
-            inner_orders: &surfaces.raceway.inner.given_orders(),
-            outer_ring: match machine.outer_speed.largest() == 0.0 {
-                true => OuterRing::Stands,
-                false => OuterRing::Turns { is_uneven: !surfaces.raceway.outer.is_ideal() },
-            },
-            uneven_raceways: !(surfaces.raceway.inner.is_ideal() && surfaces.raceway.outer.is_ideal()),
-            odd_ball_orders: surfaces.balls.iter().any(|ball| !ball.is_sphere()),
-            unequal_balls,
-            loads: &loads,
+        let (scene, surfaces) = (&bearing.scene, &bearing.scene.surfaces);
+        let outer_ring = match machine.outer_speed.largest() == 0.0 {
+            true => OuterRing::Stands,
+            false => OuterRing::Turns { is_uneven: !surfaces.raceway.outer.is_ideal() },
         };
-        let is_uneven = unequal_balls || !surfaces.are_ideal();
+        let orders = surfaces.raceway.inner.given_orders();
+        let sources = line_sources(scene, &metrics.frequencies, (shaft_is_marked, outer_ring), (&orders, &loads));
+        let is_uneven = scene.has_unequal_balls() || !surfaces.are_ideal();
         let found = find_lines(spectrum, &sources, BAND).into_iter();
         let found = found.map(|line| BearingLine { line, bearings: vec![index], is_uneven });
         if best.is_empty() {

@@ -22,6 +22,11 @@ struct Source {
 }
 
 impl Source {
+    /// Of all lines without label together.
+    fn unknown() -> Self {
+        Self { series: String::new(), of_shaft: 0.0 }
+    }
+
     /// Of a label such as `2·BPFO + f_r − FTF@A`; `None` without one.
     fn of(label: &str) -> Option<Self> {
         let (sum, bearing) = label.split_once('@').unwrap_or((label, ""));
@@ -52,19 +57,24 @@ struct Member {
 }
 
 impl Member {
-    /// Shifts of the series that move this line onto a measured one.
-    fn shifts(&self) -> impl Iterator<Item = f64> + '_ {
-        let slipping = self.order - self.of_shaft;
-        self.near.iter().map(move |order| (order - self.order) / slipping).filter(|shift| shift.is_finite())
+    /// Number of places within the largest shift that a spectrum tells apart.
+    fn places(&self, reach: f64) -> f64 {
+        most(self.order, reach) / reach
     }
 
-    /// Logarithm of the odds against chance of the strongest line in the range of a shift: a line of its rank lies somewhere within the largest
-    /// shift, and would lie in the range with the share of its width, times the rank.
+    /// Logarithm of the odds against chance of the strongest line in the range of a shift. A line of its rank or stronger would lie in the range
+    /// by chance with the probability rank over places.
     fn evidence(&self, shift: f64, reach: f64) -> f64 {
         let (low, high) = range(self.order, self.of_shaft, shift, reach);
         let rank = self.near.iter().position(|order| (low..=high).contains(order));
         let chance = |rank: usize| (rank + 1) as f64 * (high - low) / (2.0 * most(self.order, reach));
         rank.map_or(0.0, |rank| -chance(rank).min(1.0).ln())
+    }
+
+    /// Mean evidence at a shift that says nothing.
+    fn by_chance(&self, reach: f64) -> f64 {
+        let places = self.places(reach);
+        (1..=self.near.len().min(places as usize)).map(|rank| (places / rank as f64).ln() / places).sum()
     }
 }
 
@@ -80,65 +90,86 @@ fn most(order: f64, reach: f64) -> f64 {
     (MOST_SHIFT * order).max(reach)
 }
 
-/// Shift of a series.
+/// Predicted lines of one source.
+#[derive(Default)]
+struct Series(Vec<Member>);
+
+/// A shift of a series [-].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Shift {
-    shift: f64,
-    /// Logarithm of the odds against chance.
-    evidence: f64,
+    value: f64,
+    /// Logarithm of the odds of the series against chance. What is searched pays for each place that might have been found.
+    odds: f64,
 }
 
 impl Shift {
-    /// The shift of lines that is least likely by chance; `None` where nothing was measured near any of them.
-    fn of(lines: &[Member], reach: f64) -> Option<Self> {
-        let evidence = |shift: f64| lines.iter().map(|line| line.evidence(shift, reach)).sum();
-        let shifts = lines.iter().flat_map(Member::shifts);
-        shifts.map(|shift| Self { shift, evidence: evidence(shift) }).reduce(Self::better)
-    }
-
     /// The one with more evidence, and the first of equal ones.
     fn better(self, other: Self) -> Self {
-        if other.evidence > self.evidence { other } else { self }
+        if other.odds > self.odds { other } else { self }
     }
 }
 
-/// Shifts by which measured lines differ from predicted ones [-], one for each series: harmonics of one frequency and their sidebands.
+impl Series {
+    fn known(&self, value: f64, reach: f64) -> Shift {
+        let odds = self.0.iter().map(|line| line.evidence(value, reach) - line.by_chance(reach)).sum();
+        Shift { value, odds }
+    }
+
+    /// The best shift that moves a predicted line onto a measured one; `None` where nothing was measured in reach.
+    fn searched(&self, reach: f64) -> Option<Shift> {
+        let seen = self.0.iter().filter(|line| !line.near.is_empty());
+        let places = seen.map(|line| line.places(reach)).fold(1.0, f64::max);
+        let shifts = self.0.iter().flat_map(|line| line.near.iter().map(|order| order / line.order - 1.0));
+        let best = shifts.map(|shift| self.known(shift, reach)).reduce(Shift::better)?;
+        Some(Shift { odds: best.odds - places.ln(), ..best })
+    }
+}
+
+/// Shifts by which measured lines differ from predicted ones, one for each series: harmonics of one frequency and their sidebands.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shifts {
-    by_series: BTreeMap<String, Shift>,
+    by_series: BTreeMap<String, f64>,
+    /// That with the most evidence; `None` where no series is more than chance.
+    best: Option<f64>,
 }
 
 impl Shifts {
-    /// The shift of each series that is least likely by chance. A single line takes the strongest measured line in reach.
+    /// The shifts with the most evidence. A series has none, that of the most evident series, or one of its own if that is worth its search.
     ///
     /// `measured`: orders, strongest first. `reach`: [`SHIFT_BINS`] as orders.
     pub fn of(predicted: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Self {
-        let mut members: BTreeMap<String, Vec<Member>> = BTreeMap::new();
+        let mut all: BTreeMap<String, Series> = BTreeMap::new();
         for &PredictedLine { order, label, .. } in predicted {
-            if let Some(Source { series, of_shaft }) = Source::of(label) {
-                let is_near = |other: &f64| (other - order).abs() <= most(order, reach);
-                let near = measured.iter().copied().filter(is_near).collect();
-                members.entry(series).or_default().push(Member { order, of_shaft, near });
-            }
+            let Source { series, of_shaft } = Source::of(label).unwrap_or_else(Source::unknown);
+            let is_near = |other: &f64| (other - order).abs() <= most(order, reach);
+            let near = measured.iter().copied().filter(is_near).collect();
+            all.entry(series).or_default().0.push(Member { order, of_shaft, near });
         }
-        let shifts = members.into_iter().filter_map(|(series, lines)| Some((series, Shift::of(&lines, reach)?)));
-        Self { by_series: shifts.collect() }
+        let own = |series: &Series| {
+            let unshifted = series.known(0.0, reach);
+            series.searched(reach).map_or(unshifted, |searched| unshifted.better(searched))
+        };
+        let best =
+            all.values().map(own).filter(|shift| shift.odds > 0.0).reduce(Shift::better).map(|shift| shift.value);
+        let of_series = |series: &Series| {
+            let others = best.map_or(own(series), |best| series.known(best, reach).better(own(series)));
+            if others.odds > 0.0 { others.value } else { best.unwrap_or(0.0) }
+        };
+        Self { best, by_series: all.iter().map(|(name, series)| (name.clone(), of_series(series))).collect() }
     }
 
-    /// Orders between which the partner of a predicted line lies. A line without series lies between its order and that of the shift with the
-    /// most evidence, or within the largest shift, and is nearer to it than to the `nearest` predicted line.
-    pub(super) fn range(&self, line: &PredictedLine<'_>, nearest: f64, reach: f64) -> (f64, f64) {
+    /// Whether a measured order may be the partner of a predicted line. A line whose source is unknown has its own order or that of the most
+    /// evident shift, and no partner where no shift is known.
+    pub(super) fn joins(&self, line: &PredictedLine<'_>, measured: f64, reach: f64) -> bool {
         let order = line.order;
-        if let Some(Source { series, of_shaft }) = Source::of(line.label) {
-            // Without a measured line in reach the series has no shift, and the line no partner.
-            let found = self.by_series.get(&series);
-            return found.map_or((order, order), |of_series| range(order, of_shaft, of_series.shift, reach));
+        let is_at = |place: f64| (measured - place).abs() <= reach;
+        match Source::of(line.label) {
+            Some(Source { series, of_shaft }) => {
+                let shift = self.by_series.get(&series).or(self.best.as_ref()).copied().unwrap_or(0.0);
+                let (low, high) = range(order, of_shaft, shift, reach);
+                (low..=high).contains(&measured)
+            }
+            None => self.best.is_some_and(|shift| is_at(order) || is_at(order * (1.0 + shift))),
         }
-        let (low, high) = match self.by_series.values().copied().reduce(Shift::better) {
-            Some(Shift { shift, .. }) => (shift.min(0.0) * order - reach, shift.max(0.0) * order + reach),
-            None => (-most(order, reach), most(order, reach)),
-        };
-        let cap = (0.5 * nearest).max(reach);
-        (order + low.max(-cap), order + high.min(cap))
     }
 }

@@ -163,10 +163,38 @@ fn sidebands_of_the_shaft_do_not_slip() {
     assert_eq!(paired(&predicted, &fast, 0.01), expected);
 }
 
-/// A peak of the prediction without a label lies where the best known series says, and not at a stronger line elsewhere.
+/// A peak of the prediction without a label lies at its own order or where the best known series says, and not at a stronger line elsewhere.
 #[test]
 fn unlabelled_peaks_follow_the_best_shift() {
     let predicted = [(30.0, 1.0, "6·BPFO"), (40.0, 0.9, "8·BPFO"), (25.0, 0.1, "")];
     assert_eq!(paired(&predicted, &[25.4, 29.85, 39.8, 24.875], 0.02), [Some(1), Some(2), Some(3)]);
     assert_eq!(paired(&predicted, &[25.4, 29.85, 39.8], 0.02), [Some(1), Some(2), None]);
+}
+
+/// The only line of its series stands at its order, and a stronger one beside it does not take its place: eight other lines show no shift.
+#[test]
+fn a_single_line_follows_the_others() {
+    let mut predicted: Vec<(f64, f64, &str)> = (1..9).map(|k| (3.585 * f64::from(k), 1.0, "BPFO")).collect();
+    predicted.push((12.8138, 0.5, "2·BPFI + 2·f_r"));
+    let orders: Vec<f64> = predicted.iter().map(|line| line.0).collect();
+    let measured: Vec<f64> = [12.62].into_iter().chain(orders).collect();
+    assert_eq!(paired(&predicted, &measured, 0.03), (1..10).map(Some).collect::<Vec<_>>());
+}
+
+/// One of twenty lines that meets a measured one proves nothing, nor do lines shifted by more than the largest shift.
+#[test]
+fn chance_makes_no_partner() {
+    let labels: Vec<String> = (9..29).map(|k| format!("{k}·BPFO")).collect();
+    let line = |(label, k): (&String, i32)| (3.585 * f64::from(k), 1.0, label.clone());
+    let predicted: Vec<(f64, f64, String)> = labels.iter().zip(9..29).map(line).collect();
+    let predicted: Vec<(f64, f64, &str)> =
+        predicted.iter().map(|(order, amplitude, label)| (*order, *amplitude, label.as_str())).collect();
+    let none = vec![None; predicted.len()];
+    for shift in [1.022, 1.031, 1.043, 0.97] {
+        let measured: Vec<f64> = predicted.iter().map(|line| shift * line.0).collect();
+        assert_eq!(paired(&predicted, &measured, 0.03), none, "{shift}");
+    }
+    assert_eq!(paired(&predicted, &[3.585 * 16.0 * 0.9921], 0.03), none);
+    let measured: Vec<f64> = predicted.iter().map(|line| 1.019 * line.0).collect();
+    assert_eq!(paired(&predicted, &measured, 0.03), (0..predicted.len()).map(Some).collect::<Vec<_>>());
 }

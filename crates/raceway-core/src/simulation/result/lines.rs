@@ -28,12 +28,12 @@ const FLOOR_REACH: usize = 25;
 /// the true median it would in one of 60 000.
 const FLOOR_FACTOR: f64 = 4.0;
 /// A line has at least this share of the strongest one's amplitude (−60 dB).
-const LEAST_SHARE: f64 = 1e-3;
+pub(crate) const LEAST_SHARE: f64 = 1e-3;
 
 /// A label may be off by this many bins …
 pub(super) const TOLERANCE_BINS: f64 = 0.5;
 /// … plus this share of the terms that turn with the cage, the uncertainty of the mean slip of a run. The shaft does not slip.
-pub(super) const TOLERANCE_SHARE: f64 = 5e-4;
+pub(super) const TOLERANCE_SHARE: f64 = 2e-4;
 /// A label is never off by more than the place of its line is uncertain, so that it is not taken by chance. Steady lines deviate by less than this
 /// many bins.
 const STEADY_BINS: f64 = 0.01;
@@ -74,7 +74,7 @@ const LOAD: &str = "load";
 /// Cost of the first order of a load: lower than of the shaft, which an order of the load may coincide with.
 const LOAD_WEIGHT: f64 = 0.9;
 /// Highest order of a load.
-const HIGHEST_LOAD_ORDER: f64 = 10.0;
+const HIGHEST_LOAD_ORDER: i32 = 10;
 /// Labels of whirl.
 const CAGE_WHIRL: &str = "cage whirl";
 const SPINDLE_WHIRL: &str = "spindle whirl";
@@ -146,7 +146,7 @@ impl LineSources<'_> {
 }
 
 /// The strongest lines of a spectrum up to `highest` [Hz], strongest first, at most 20. A line is a local maximum above the local
-/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.05 %, and
+/// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.02 %, and
 /// within the uncertainty of its place, or the whirl of cage or spindle.
 pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest: f64) -> Vec<Line> {
     let bins = line_bins(spectrum, highest);
@@ -167,7 +167,7 @@ pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest
 }
 
 /// Bins of the lines of a spectrum up to `highest` [Hz], strongest first: local maxima above the local floor and within 60 dB of the strongest.
-pub(crate) fn line_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
+fn line_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
     let mut bins = peak_bins(spectrum, highest);
     let strongest = bins.first().map_or(0.0, |&bin| spectrum.amplitude[bin]);
     bins.retain(|&bin| spectrum.amplitude[bin] > LEAST_SHARE * strongest);
@@ -336,7 +336,7 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         let highest = match carrier.name {
             // From the number of balls on, its harmonics are passages with sidebands.
             CAGE if carrier.unit == 1 => HIGHEST_CAGE_ORDER.min(balls - 1.0),
-            LOAD => HIGHEST_LOAD_ORDER,
+            LOAD => f64::from(HIGHEST_LOAD_ORDER),
             _ => HIGHEST_ORDER,
         };
         if usable(&carrier) && (1.0..=highest).contains(&order) {
@@ -354,13 +354,15 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
         for m in side(&passage, OUTER_SIDEBANDS) {
             carry(shaft, [passage.times(m), cage]);
         }
+    }
+    for k in side(&cage, balls as i32) {
         carry(ball, [shaft, cage_of_ball.times(k)]);
         if sources.odd_ball_orders {
             carry(any_ball, [shaft, cage_of_ball.times(k)]);
         }
     }
     // The load zone has as many harmonics as there are balls; those beyond belong to the next passage.
-    let of_shaft = if sources.uneven_inner { SHAFT_SIDEBANDS.max(balls as i32 - 1) } else { SHAFT_SIDEBANDS };
+    let of_shaft = if sources.uneven_inner { SHAFT_SIDEBANDS.max(balls as i32) } else { SHAFT_SIDEBANDS };
     for n in side(&shaft, of_shaft) {
         carry(inner, [shaft.driven(sources.uneven_inner).times(n), cage]);
     }
@@ -375,8 +377,8 @@ fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Ve
     carry(cage, [shaft, outer]);
     for load in sources.loads.iter().map(|&frequency| term(LOAD, frequency, LOAD_WEIGHT)) {
         carry(load, [shaft, cage]);
-        for k in side(&load, 1).filter(|k| *k != 0) {
-            carry(passage, [load.times(k), cage]);
+        for k in side(&load, HIGHEST_LOAD_ORDER).filter(|k| *k != 0) {
+            carry(passage, [load.driven(true).times(k), cage]);
         }
     }
     // A whirling cage drives the spindle round at its own rate, so it has precedence.
@@ -472,6 +474,7 @@ mod tests {
         let of = |frequency: f64| placed(frequency, &loaded, 1.0).0;
         assert_eq!([of(1666.666), of(864.2), of(833.333)], ["load", "2·load", "f_r"]);
         assert_eq!(of(f.ball_pass_outer - 432.1), "BPFO − load");
+        assert_eq!(of(2.0 * f.ball_pass_outer + 5.0 * 432.1), "2·BPFO + 5·load");
         assert_eq!(of(f.ball_pass_outer), "BPFO");
     }
 
@@ -551,7 +554,7 @@ mod tests {
         assert_eq!([of(0.0), of(0.5), of(3.0)], ["", "", "4·BSF"]);
         let steady = find_lines(&spectrum_of(&[(beside, 1.0)], 0.0), &sources, 5000.0);
         assert!((steady[0].frequency - beside).abs() < 0.05 && steady[0].label.is_empty(), "{steady:?}");
-        let wandering = find_lines(&spectrum_of(&[(beside, 1.0), (beside - 5.0, 0.6)], 0.0), &sources, 5000.0);
+        let wandering = find_lines(&spectrum_of(&[(beside, 1.0), (beside - 5.0, 0.8)], 0.0), &sources, 5000.0);
         assert_eq!(wandering[0].label, "4·BSF", "{wandering:?}");
     }
 

@@ -318,17 +318,14 @@ pub fn lines(
     let is_constant = scene.operation.has_constant_speeds();
     let turns = |whirl: Option<Whirl>| whirl.map_or(0.0, |whirl| whirl.rate().abs() / std::f64::consts::TAU);
     let loads: Vec<f64> = scene.operation.load_frequencies(recording.speeds.shaft).collect();
+    let orders = scene.surfaces.raceway.inner.given_orders();
+    let is_balanced = scene.spindle.unbalance_product(scene.operating_speed()) == 0.0;
+    let rings = (!is_balanced || !scene.surfaces.raceway.inner.is_ideal(), outer_ring(scene));
+    let of_bearing = line_sources(scene, &line_frequencies(scene, recording), rings, (&orders, &loads));
     let sources = &LineSources {
-        frequencies: marked(scene, &line_frequencies(scene, recording)),
         cage_whirl: turns(recording.whirl()),
         spindle_whirl: turns(recording.spindle_whirl()),
-        uneven_inner: !scene.surfaces.raceway.inner.is_ideal(),
-        inner_orders: &scene.surfaces.raceway.inner.given_orders(),
-        outer_ring: outer_ring(scene),
-        uneven_raceways: !(scene.surfaces.raceway.inner.is_ideal() && scene.surfaces.raceway.outer.is_ideal()),
-        odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
-        unequal_balls: scene.has_unequal_balls(),
-        loads: &loads,
+        ..of_bearing
     };
     let of_channel = |spectra: &ChannelSpectra| {
         let spectrum = match kind {
@@ -367,21 +364,37 @@ pub(crate) fn outer_ring(scene: &Scene) -> OuterRing {
     }
 }
 
-/// Frequencies that can appear in a spectrum, others 0. Unbalance or the surface of its raceway mark the rotation of the inner ring, the surface
-/// of its raceway that of the outer one, waves and defects that of a ball.
-fn marked(scene: &Scene, frequencies: &CharacteristicFrequencies) -> CharacteristicFrequencies {
-    let is_balanced = scene.spindle.unbalance_product(scene.operating_speed()) == 0.0;
-    let ring = if is_balanced && scene.surfaces.raceway.inner.is_ideal() { 0.0 } else { 1.0 };
-    let ball = if scene.surfaces.have_uneven_balls() { 1.0 } else { 0.0 };
-    let turns = outer_ring(scene) != OuterRing::Stands;
-    let outer = if turns && scene.surfaces.raceway.outer.is_ideal() { 0.0 } else { 1.0 };
-    CharacteristicFrequencies {
-        outer_ring: outer * frequencies.outer_ring,
-        ball_pass_outer: outer * frequencies.ball_pass_outer,
-        shaft: ring * frequencies.shaft,
-        ball_pass_inner: ring * frequencies.ball_pass_inner,
-        ball_spin: ball * frequencies.ball_spin,
-        ..*frequencies
+/// What names the lines of a bearing. Only frequencies that can appear in a spectrum are there: something marks the rotation of the shaft, as
+/// unbalance or the surface of an inner raceway does; the surface of its raceway marks the outer ring, waves and defects mark a ball.
+///
+/// `inner_orders` and `loads` as in [`LineSources`].
+pub(crate) fn line_sources<'a>(
+    scene: &Scene,
+    frequencies: &CharacteristicFrequencies,
+    (shaft_is_marked, outer_ring): (bool, OuterRing),
+    (inner_orders, loads): (&'a [i32], &'a [f64]),
+) -> LineSources<'a> {
+    let PerRaceway { inner, outer } = &scene.surfaces.raceway;
+    let there = |is_there: bool| if is_there { 1.0 } else { 0.0 };
+    let shaft = there(shaft_is_marked);
+    let ball = there(scene.surfaces.have_uneven_balls());
+    let ring = there(outer_ring == OuterRing::Stands || !outer.is_ideal());
+    LineSources {
+        frequencies: CharacteristicFrequencies {
+            outer_ring: ring * frequencies.outer_ring,
+            ball_pass_outer: ring * frequencies.ball_pass_outer,
+            shaft: shaft * frequencies.shaft,
+            ball_pass_inner: shaft * frequencies.ball_pass_inner,
+            ball_spin: ball * frequencies.ball_spin,
+            ..*frequencies
+        },
+        uneven_inner: !inner.is_ideal(),
+        inner_orders,
+        outer_ring,
+        uneven_raceways: !(inner.is_ideal() && outer.is_ideal()),
+        odd_ball_orders: scene.surfaces.have_odd_ball_orders(),
+        unequal_balls: scene.has_unequal_balls(),
+        ..LineSources::of_shaft(0.0, loads)
     }
 }
 
