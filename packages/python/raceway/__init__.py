@@ -11,7 +11,7 @@ for a service elsewhere.
 
 from __future__ import annotations
 
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any, Iterable, Optional, Sequence
 
 from ._client import Client, Job
@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     from ._client import JobRequest, Scene
     from .schema import AxisInput
 
-__version__ = version("raceway")
+try:
+    __version__ = version("raceway")
+except PackageNotFoundError:  # From a checkout, which has no metadata.
+    __version__ = "0"
 __all__ = [
     "Client", "FieldError", "Job", "JobFailed", "Line", "Problem", "RacewayError", "Result", "Results", "Series", "Spectrum", "Table",
     "Unreachable", "binary", "local_client", "run", "run_many", "study",

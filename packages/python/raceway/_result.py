@@ -278,4 +278,5 @@ def _lines(lines: Iterable[Mapping[str, Any]]) -> List[Line]:
 
 
 def _axes(ax: Any, purpose: str) -> Any:
-    return needed("matplotlib.pyplot", purpose).gca() if ax is None else ax
+    """The axes, or those of a new figure."""
+    return needed("matplotlib.pyplot", purpose).subplots()[1] if ax is None else ax

@@ -3,7 +3,7 @@
 import * as api from './api.js';
 import { button, h, labelled, options, select, small, table, tools } from './dom.js';
 import { csv, save } from './download.js';
-import { channelName, LEVEL_UNIT, level, measured, moment, title } from './format.js';
+import { channelName, LEVEL_UNIT, level, measured, moment, title, words } from './format.js';
 import { linesOf, usualLimit } from './metrics.js';
 import { SpectrumPlot } from './plots.js';
 import { write } from './request.js';
@@ -181,6 +181,7 @@ export class Compare {
       ];
     });
     this.metrics.replaceChildren(
+      ...equationsDiffer([a, b]).map((text) => h('p', { class: 'warning' }, text)),
       table('Metrics of both runs and their difference', ['Metric', 'Unit', ...names, 'Relative'], shown),
       tools(
         small('Differences CSV', () => save('comparison.csv', csv([['metric', 'unit', 'first', 'second'], ...rows]), 'text/csv')),
@@ -190,6 +191,14 @@ export class Compare {
 }
 
 const signed = (value, digits = 3) => (value > 0 ? `+${measured(value, digits)}` : measured(value, digits));
+
+/** Says which terms only one of two runs omits: their difference is in the levels, too. */
+function equationsDiffer(runs) {
+  const omitted = runs.map(({ left_out: terms = [] }) => terms.map(({ term }) => words(term)));
+  const only = omitted.map((own, k) => own.filter((term) => !omitted[1 - k].includes(term)));
+  const told = only.map((terms, k) => terms.length > 0 && `Only the ${['first', 'second'][k]} run (${words(runs[k].solver.rung)}) omits: ${terms.join(', ')}.`);
+  return told.some(Boolean) ? [`The runs have different equations, which is part of their difference. ${told.filter(Boolean).join(' ')}`] : [];
+}
 
 /** Metrics of both runs: name, unit, both values. */
 function pairs(a, b) {

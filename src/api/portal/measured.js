@@ -217,7 +217,7 @@ export class MeasuredPanel {
       ),
       table(
         'Measured and predicted lines by order',
-        ['Line', 'Predicted order', 'Measured order', 'Difference, %', `Predicted, ${predicted.unit}`, `Measured, ${predicted.unit}`, 'Ratio, dB', 'Over floor, dB'],
+        ['Line', 'Predicted order', 'Measured order', 'Difference, %', `Predicted, ${predicted.unit}`, `Measured, ${predicted.unit}`, 'Ratio, dB', 'Over floor'],
         lines.map((line) => [
           line.label ? lineName(line.label) : '–',
           number(line.predicted_order, 5),
@@ -236,7 +236,7 @@ export class MeasuredPanel {
               { class: 'note' },
               `Strongest measured lines that were not predicted, by order: ${others
                 .slice(0, 10)
-                .map((line) => number(line.frequency_hz / speed, 5))
+                .map((line) => `${number(line.order, 5)} (${quantity(line.frequency_hz, 'Hz', 5)}, ${quantity(line.amplitude, predicted.unit, 3)})`)
                 .join(', ')}.`,
             ),
           ]

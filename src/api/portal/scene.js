@@ -54,7 +54,8 @@ export class SceneForm {
         ? resolved.scene.lubricant?.kind
         : (read(resolved, spec.pointer) ?? (spec.derived && read(resolved, spec.derived)));
       const name = spec.materials ? this.#materialName(value) : value;
-      if (input.tagName === 'SELECT') input.options[0].textContent = typeof name === 'string' ? `${words(name)} (default)` : (spec.absent ?? 'automatic');
+      // A chosen value is no default.
+      if (input.tagName === 'SELECT') input.options[0].textContent = typeof name === 'string' && !input.value ? `${words(name)} (default)` : (spec.absent ?? 'automatic');
       else if (spec.automatic && value === undefined) input.placeholder = 'automatic';
       else input.placeholder = [value].flat().every((one) => typeof one === 'number') ? [value].flat().map(plain).join(PAIR) : '';
     }

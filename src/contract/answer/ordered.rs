@@ -215,7 +215,7 @@ pub fn warnings(scene: &ResolvedScene) -> Vec<FieldError> {
         }
         if clearance.operating_um < 0.0 {
             warn(format!(
-                "{group}, {unmounted} µm, is {operating} µm in operation, a radial preload; choose a group with more clearance or looser fits"
+                "{group}, {unmounted} µm, is {operating} µm in operation, a radial preload; choose a group with more clearance, looser fits or smaller differences of temperature"
             ));
         }
     }

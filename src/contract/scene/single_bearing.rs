@@ -7,6 +7,7 @@ use serde_json::{Map, Value};
 use crate::contract::json::numbers::short;
 use crate::contract::json::problem::{FieldError, Refusal};
 
+const SHAFT: &str = "/scene/shaft";
 const LIST: &str = "/scene/bearings";
 const ITEM: &str = "/scene/bearings/0";
 /// Fields of the item that a scene of one bearing has, too.
@@ -20,8 +21,11 @@ struct Unfolded {
 
 /// Checks a request by `job`, with the one bearing of a list as that of the scene. Pointers of errors are those of the request.
 pub fn with_single_bearing<J>(request: Value, job: impl FnOnce(Value) -> Result<J, Refusal>) -> Result<J, Refusal> {
-    let is_list = request.pointer(LIST).is_some() && request.pointer("/scene/shaft").is_none();
-    if !is_list {
+    if request.pointer(SHAFT).is_some() {
+        let detail = "this kind of job has one bearing on a rigid spindle; submit a job of kind `machine` or `rotor` for each shaft";
+        return Err(FieldError::new(SHAFT, detail).into());
+    }
+    if request.pointer(LIST).is_none() {
         return job(request);
     }
     let Unfolded { request, moved } = unfolded(request).map_err(|errors| Refusal::Invalid { errors })?;
