@@ -131,6 +131,31 @@ def case_whirl_by_balls(running):
         verdict(run["arrangements"] == [{"between": ["A", "B"], "arrangement": "DB"}], f"arrangement {run['arrangements']}")
 
 
+def case_labels(running):
+    """Two 6205 on a balanced rigid spindle of 4 kg. Nothing marks its rotation, so that no line is one of f_r or BPFI."""
+    def lines(load, first):
+        """Labels and deviations of the strongest lines of A."""
+        pair = [{"name": name, "bearing": "6205", "at_mm": at, "faces": faces} for name, at, faces in (("A", 40, "+x"), ("B", 160, "-x"))]
+        pair[0] |= first
+        body = {"kind": "machine", "scene": {"spindle": {"mass_kg": 4}, "bearings": pair, "operation": {"speed_rpm": 3000, **load}}, "duration_s": 0.5}
+        run = result(running, body, "machine")
+        found = [line for line in run["lines"] if line["channel"].startswith("A.")]
+        marked = [line["label"] for line in found if "f_r" in line["label"] or "BPFI" in line["label"]]
+        verdict(not marked, f"lines of a shaft that nothing marks: {marked}")
+        return run, found
+
+    # The strongest line is the sum of twice the ball passage and five times the load.
+    loads = [{"direction": "y", "constant_n": 1000}, {"direction": "y", "harmonic": {"amplitude_n": 700, "frequency_hz": 66.6}}]
+    run, found = lines({"loads": loads}, {})
+    named = [line["label"] for line in found]
+    unnamed = [one for one in run["messages"] if one["code"] == "unnamed-line"]
+    verdict("2·BPFO + 5·load@A/B" in named and not unnamed, f"sums of ball passage and load: {named[:6]}, messages {unnamed}")
+    wave = {"surfaces": {"balls": [{"ball": 1, "waviness": [{"order": 6, "amplitude_nm": 300}]}]}}
+    _, found = lines({"radial_load_y_n": 1000}, wave)
+    strongest = max(found, key=lambda line: line["amplitude"])
+    verdict("6·BSF" in strongest["label"] and strongest["label"].endswith("@A"), f"a wavy ball of A: {strongest['label']} at {strongest['frequency_hz']} Hz")
+
+
 def case_open_side(running):
     def thrust(facing):
         """Thrusts over open sides by name, of two bearings of which the second has a spring; the first one faces this way."""

@@ -2,7 +2,7 @@
 
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
-use super::input::{Machine, Sensor};
+use super::input::{Machine, MachineBearing, Sensor};
 use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
@@ -37,6 +37,8 @@ pub struct BearingRecord {
     /// Mean speed of the cage, and mean spin of a ball in the orbit frame [rad/s].
     pub cage_speed: f64,
     pub ball_spin: f64,
+    /// Mean spin of the balls that make lines, in the orbit frame [rad/s]; 0 where none does.
+    pub heard_spin: f64,
     /// Steps that the means count.
     steps: f64,
 }
@@ -58,6 +60,8 @@ pub(crate) struct Recorder<'m> {
     frame: Vec<f64>,
     signals: Vec<Vec<f64>>,
     bearings: Vec<BearingRecord>,
+    /// Share of each ball in the mean spin of those that make lines, for each bearing.
+    heard: Vec<Vec<f64>>,
     instructions: InstructionSet,
 }
 
@@ -77,7 +81,13 @@ impl<'m> Recorder<'m> {
         let decimator = Decimator::new(oversampling, channels.len());
         let lead = if start * RATE * oversampling as f64 >= decimator.delay() as f64 { decimator.delay() } else { 0 };
         let values = kept_values(duration);
+        let shares = |bearing: &MachineBearing| {
+            let heard = bearing.scene.surfaces.heard_balls();
+            let count = heard.iter().filter(|is_heard| **is_heard).count() as f64;
+            heard.into_iter().map(|is_heard| if is_heard { 1.0 / count } else { 0.0 }).collect()
+        };
         Self {
+            heard: machine.bearings.iter().map(shares).collect(),
             sensors: machine.sensors.clone(),
             course: Course::new(channels.len()),
             places: Places {
@@ -193,7 +203,8 @@ impl<'m> Recorder<'m> {
         let time = stepper.time();
         for (index, (record, of)) in self.bearings.iter_mut().zip(stepper.bearings()).enumerate() {
             let m = self.dynamics.bearings[index].dynamics.mechanism();
-            let mut spin_sum = 0.0;
+            let heard = &self.heard[index];
+            let (mut spin_sum, mut heard_sum) = (0.0, 0.0);
             for ball in 0..m.layout.balls {
                 let now = of.seen(ball);
                 record.inner_load = record.inner_load.max(now.load.inner);
@@ -204,11 +215,14 @@ impl<'m> Recorder<'m> {
                         record.slip = record.slip.max(slip);
                     }
                 }
-                spin_sum += length(of.spin(ball, time)) / m.layout.balls as f64;
+                let spin = length(of.spin(ball, time));
+                spin_sum += spin / m.layout.balls as f64;
+                heard_sum += heard.get(ball).map_or(0.0, |weight| weight * spin);
             }
             record.steps += 1.0;
             record.cage_speed += (of.cage_speed(time) - record.cage_speed) / record.steps;
             record.ball_spin += (spin_sum - record.ball_spin) / record.steps;
+            record.heard_spin += (heard_sum - record.heard_spin) / record.steps;
         }
     }
 

@@ -268,7 +268,12 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
             false => OuterRing::Turns { is_uneven: !surfaces.raceway.outer.is_ideal() },
         };
         let orders = surfaces.raceway.inner.given_orders();
-        let sources = line_sources(scene, &metrics.frequencies, (shaft_is_marked, outer_ring), (&orders, &loads));
+        let own = metrics.record.heard_spin;
+        let frequencies = match own == 0.0 {
+            true => metrics.frequencies,
+            false => CharacteristicFrequencies { ball_spin: own / TAU, ..metrics.frequencies },
+        };
+        let sources = line_sources(scene, &frequencies, (shaft_is_marked, outer_ring), (&orders, &loads));
         let is_uneven = scene.has_unequal_balls() || !surfaces.are_ideal();
         let found = find_lines(spectrum, &sources, BAND).into_iter();
         let found = found.map(|line| BearingLine { line, bearings: vec![index], is_uneven });

@@ -160,6 +160,13 @@ impl Surfaces {
         !self.balls.iter().all(BallSurface::is_sphere)
     }
 
+    /// Whether each ball makes lines of its spin: those with defects, else those with waves. Empty where no ball does.
+    pub(crate) fn heard_balls(&self) -> Vec<bool> {
+        let all = |is_heard: &dyn Fn(&BallSurface) -> bool| self.balls.iter().map(is_heard).collect::<Vec<bool>>();
+        let kinds = [all(&BallSurface::has_defects), all(&|ball| !ball.is_sphere())];
+        kinds.into_iter().find(|heard| heard.contains(&true)).unwrap_or_default()
+    }
+
     /// Returns true where balls may show odd orders of their spin: one has a defect, or their waves differ. Drawn phases do.
     pub(crate) fn have_odd_ball_orders(&self) -> bool {
         let differ = self.balls.windows(2).any(|pair| pair[0].waviness != pair[1].waviness);

@@ -7,7 +7,6 @@ use crate::numerics::spectrum::{HANN_BANDWIDTH, Spectrum};
 use crate::numerics::statistics::CentralMoments;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::kinematics::{self, CharacteristicFrequencies};
-use crate::physics::surface::ball::BallSurface;
 use crate::simulation::error::codes::{NotEligible, Rejection};
 use crate::simulation::error::report::AccuracyReport;
 use crate::simulation::input::channel::{Channel, Motion};
@@ -258,13 +257,9 @@ pub fn frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFreque
 
 /// Frequencies of lines at the simulated speeds [Hz], with the spin of the balls that make lines: those with defects, else those with waves.
 fn line_frequencies(scene: &Scene, recording: &Recording) -> CharacteristicFrequencies {
-    let (balls, tracks) = (&scene.surfaces.balls, &recording.tracks);
-    let mean_spin = |is_heard: &dyn Fn(&BallSurface) -> bool| {
-        let heard = balls.iter().zip(tracks).filter(|(ball, _)| is_heard(ball)).map(|(_, track)| track.spin);
-        let count = heard.clone().count();
-        (count > 0).then(|| heard.sum::<f64>() / count as f64)
-    };
-    let own = mean_spin(&BallSurface::has_defects).or_else(|| mean_spin(&|ball| !ball.is_sphere()));
+    let heard = scene.surfaces.heard_balls();
+    let spins = || heard.iter().zip(&recording.tracks).filter(|(is_heard, _)| **is_heard).map(|(_, track)| track.spin);
+    let own = (spins().count() > 0).then(|| spins().sum::<f64>() / spins().count() as f64);
     let all = frequencies(scene, recording);
     CharacteristicFrequencies { ball_spin: own.map_or(all.ball_spin, |spin| spin / std::f64::consts::TAU), ..all }
 }
