@@ -59,7 +59,7 @@ static FILES: [File; 54] = files! {
     "map.js": SCRIPT,
     "measured.js": SCRIPT,
     "measured-files.js": SCRIPT,
-    "measured-shift.js": SCRIPT,
+    "measured-partners.js": SCRIPT,
     "measured-spectrum.js": SCRIPT,
     "messages.js": SCRIPT,
     "metrics.js": SCRIPT,

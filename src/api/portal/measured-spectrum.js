@@ -1,6 +1,6 @@
 // Spectrum, levels and lines of a measured signal, with the window and the resolution of a prediction.
 
-import { partnersOf, SHIFT_BINS, shiftsOf } from './measured-shift.js';
+import { partnersOf, SHIFT_BINS, shiftsOf } from './measured-partners.js';
 
 /** Noise bandwidth of the Hann window in bins. */
 const BANDWIDTH = 1.5;

@@ -1,8 +1,8 @@
 //! Levels and lines of a measured record beside those of a prediction.
 
-use raceway_core::measured::lines::{MeasuredLine, PredictedLine, lines_of, partners, peaks_of};
+use raceway_core::measured::lines::{MeasuredLine, lines_of, peaks_of};
+use raceway_core::measured::partners::{PredictedLine, SHIFT_BINS, Shifts, partners};
 use raceway_core::measured::record::{Division, Record};
-use raceway_core::measured::shift::{SHIFT_BINS, Shifts};
 use raceway_core::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind, Spectrum};
 use raceway_core::simulation::recording::bands::{LOWEST_BIN, SEVERITY_BAND};
 use raceway_core::simulation::recording::sampling::BAND;

@@ -7,7 +7,7 @@ pub mod tachometer;
 
 pub mod record;
 
-pub mod shift;
+pub mod partners;
 
 pub mod lines;
 

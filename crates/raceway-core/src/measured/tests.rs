@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use super::lines::{PredictedLine, lines_of, partners};
+use super::lines::lines_of;
+use super::partners::{PredictedLine, Shifts, partners};
 use super::record::{Division, Record, Turning};
-use super::shift::Shifts;
 use super::tachometer::{Tachometer, middle, pulses_of};
 use crate::simulation::input::settings::ENVELOPE;
 use crate::simulation::recording::sampling::RATE;

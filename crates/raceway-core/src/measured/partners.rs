@@ -1,8 +1,6 @@
-//! Shift of measured lines against predicted ones, which all lines of one source share.
+//! Partners of predicted lines among measured ones. All lines of one source share their shift.
 
 use std::collections::BTreeMap;
-
-use super::lines::PredictedLine;
 
 /// Largest shift of a line against its prediction [-]. Slip of the cage, an unknown contact angle and an error of the stated speed move lines by
 /// up to 1 % (docs/how-to/compare-a-measurement.md).
@@ -11,6 +9,15 @@ const MOST_SHIFT: f64 = 0.02;
 pub const SHIFT_BINS: f64 = 1.5;
 /// Label of the rotation of the shaft.
 const SHAFT: &str = "f_r";
+
+/// A predicted line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PredictedLine<'a> {
+    pub order: f64,
+    pub amplitude: f64,
+    /// As in a result, such as `2·BPFO − f_r@A`; empty without one.
+    pub label: &'a str,
+}
 
 /// Source of a line, and the part of its order that comes from the shaft.
 #[derive(Debug, Clone, PartialEq)]
@@ -160,7 +167,7 @@ impl Shifts {
 
     /// Whether a measured order may be the partner of a predicted line. A line whose source is unknown has its own order or that of the most
     /// evident shift, and no partner where no shift is known.
-    pub(super) fn joins(&self, line: &PredictedLine<'_>, measured: f64, reach: f64) -> bool {
+    fn joins(&self, line: &PredictedLine<'_>, measured: f64, reach: f64) -> bool {
         let order = line.order;
         let is_at = |place: f64| (measured - place).abs() <= reach;
         match Source::of(line.label) {
@@ -172,4 +179,21 @@ impl Shifts {
             None => self.best.is_some_and(|shift| is_at(order) || is_at(order * (1.0 + shift))),
         }
     }
+}
+
+/// Number of the measured line that belongs to each predicted one: the strongest at the shift of its series. A measured line has one partner; stronger
+/// predicted lines choose first.
+///
+/// `measured`: orders, strongest first. `reach`: [`SHIFT_BINS`] as orders.
+pub fn partners(predicted: &[PredictedLine<'_>], measured: &[f64], shifts: &Shifts, reach: f64) -> Vec<Option<usize>> {
+    let mut sequence: Vec<usize> = (0..predicted.len()).collect();
+    sequence.sort_by(|a, b| predicted[*b].amplitude.total_cmp(&predicted[*a].amplitude));
+    let (mut found, mut is_taken) = (vec![None; predicted.len()], vec![false; measured.len()]);
+    for own in sequence {
+        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && shifts.joins(&predicted[own], measured[*k], reach));
+        if let Some(partner) = found[own] {
+            is_taken[partner] = true;
+        }
+    }
+    found
 }
