@@ -7,9 +7,8 @@ export const SHIFT_BINS = 1.5;
 /** Label of the rotation of the shaft. */
 const SHAFT = 'f_r';
 
-/** Source of a line such as `2·BPFO + f_r − FTF@A`, and the part of its order that comes from the shaft; `null` without a label. */
+/** Source of a line such as `2·BPFO + f_r − FTF@A`, and the part of its order that comes from the shaft. All lines without label are one series. */
 function sourceOf(label) {
-  if (!label) return null;
   const [sum, bearing = ''] = label.split('@');
   const terms = sum.replaceAll(' − ', ' + −').split(' + ').map((text) => {
     const [order, name] = text.includes('·') ? text.replace('−', '').split('·') : ['1', text.replace('−', '')];
@@ -32,12 +31,21 @@ const mostOf = (order, reach) => Math.max(MOST_SHIFT * order, reach);
 /** Number of places within the largest shift that a spectrum tells apart. */
 const placesOf = (order, reach) => mostOf(order, reach) / reach;
 
-/** Logarithm of the odds against chance of the strongest line in the range of a shift. A line of its rank or stronger would lie in the range by
- *  chance with the probability rank over places. */
-function evidenceOf({ order, ofShaft, near }, shift, reach) {
-  const [low, high] = rangeOf({ order, ofShaft }, shift, reach);
-  const rank = near.findIndex((one) => low <= one && one <= high);
-  return rank < 0 ? 0 : -Math.log(Math.min(((rank + 1) * (high - low)) / (2 * mostOf(order, reach)), 1));
+const isWithin = (order, [low, high]) => low <= order && order <= high;
+
+/** A predicted line `{ order, label }` with its source, and the measured orders within the largest shift, strongest first. */
+const memberOf = ({ order, label }, measured, reach) => ({
+  order,
+  ...sourceOf(label ?? ''),
+  near: measured.filter((one) => Math.abs(one - order) <= mostOf(order, reach)),
+});
+
+/** Logarithm of the odds against chance of the strongest line in the range of a shift; `null` without one. A line of its rank or stronger would lie
+ *  in the range by chance with the probability rank over places. */
+function evidenceOf(line, shift, reach) {
+  const range = rangeOf(line, shift, reach);
+  const rank = line.near.findIndex((one) => isWithin(one, range));
+  return rank < 0 ? null : -Math.log(Math.min(((rank + 1) * (range[1] - range[0])) / (2 * mostOf(line.order, reach)), 1));
 }
 
 /** Mean evidence at a shift that says nothing. */
@@ -48,45 +56,57 @@ function byChance({ order, near }, reach) {
   return sum;
 }
 
-const better = (one, other) => (other && (!one || other.odds > one.odds) ? other : one);
+const sumOf = (values) => values.reduce((sum, value) => sum + value, 0);
+const better = (one, other) => (one && one.odds >= other.odds ? one : other);
 
-const knownShift = (lines, value, reach) => ({ value, odds: lines.reduce((sum, line) => sum + evidenceOf(line, value, reach) - byChance(line, reach), 0) });
+/** A shift of lines: its odds against chance, and whether a line meets a measured one. */
+function knownShift(lines, value, reach) {
+  const evidence = lines.map((line) => evidenceOf(line, value, reach)).filter((one) => one !== null);
+  return { value, odds: sumOf(evidence) - sumOf(lines.map((line) => byChance(line, reach))), meets: evidence.length > 0 };
+}
 
-/** The best shift that moves a predicted line onto a measured one. It pays for each place that might have been found. */
-function searchedShift(lines, reach) {
+/** Chance does not explain better what the lines meet. */
+const isEvident = ({ odds, meets }) => meets && odds >= 0;
+
+/** No shift, or the best one that moves a predicted line onto a measured one. It pays for each place that might have been found. */
+function ownShift(lines, reach) {
   const places = Math.max(1, ...lines.filter(({ near }) => near.length > 0).map(({ order }) => placesOf(order, reach)));
   const shifts = lines.flatMap(({ order, near }) => near.map((one) => one / order - 1));
+  const none = knownShift(lines, 0, reach);
+  if (!shifts.length) return none;
   const best = shifts.map((shift) => knownShift(lines, shift, reach)).reduce(better, null);
-  return best && { ...best, odds: best.odds - Math.log(places) };
+  return better(none, { ...best, odds: best.odds - Math.log(places) });
 }
 
-/** The shifts with the most evidence. A series has none, that of the most evident series, or one of its own if that is worth its search.
- *  `predicted`: `{ order, label }`; `measured`: orders, strongest first. */
+/** Shifts of each series, as in the API. `predicted`: `{ order, label }`; `measured`: orders, strongest first. The shift of a series is the most
+ *  evident one of three: none, that of the most evident series, and one of its own. A wrong speed shifts all lines alike. */
 export function shiftsOf(predicted, measured, reach) {
-  const members = new Map();
-  for (const { order, label } of predicted) {
-    const { series, ofShaft } = sourceOf(label) ?? { series: '', ofShaft: 0 };
-    const near = measured.filter((one) => Math.abs(one - order) <= mostOf(order, reach));
-    members.set(series, [...(members.get(series) ?? []), { order, ofShaft, near }]);
-  }
-  const own = (lines) => better(knownShift(lines, 0, reach), searchedShift(lines, reach));
+  const all = predicted.map((line) => memberOf(line, measured, reach));
   // In the sequence of the API, so that equal evidence chooses the same.
-  const names = [...members.keys()].sort();
-  const best = names.map((name) => own(members.get(name))).filter(({ odds }) => odds > 0).reduce(better, null)?.value;
+  const names = [...new Set(all.map(({ series }) => series))].sort();
+  const members = names.map((name) => all.filter(({ series }) => series === name));
+  const best = [...members, all].map((lines) => ownShift(lines, reach)).filter(isEvident).reduce(better, null)?.value;
   const ofSeries = (lines) => {
-    const found = best === undefined ? own(lines) : better(knownShift(lines, best, reach), own(lines));
-    return found.odds > 0 ? found.value : (best ?? 0);
+    const own = ownShift(lines, reach);
+    const found = best === undefined ? own : better(knownShift(lines, best, reach), own);
+    if (isEvident(found)) return [found.value];
+    return best === undefined ? [] : [best];
   };
-  return { best, bySeries: new Map(names.map((name) => [name, ofSeries(members.get(name))])) };
+  return { best, bySeries: new Map(names.map((name, k) => [name, ofSeries(members[k])])) };
 }
 
-/** Whether a measured order may be the partner of a predicted line. A line whose source is unknown has its own order or that of the most evident
- *  shift, and no partner where no shift is known. */
-function joins({ order, label }, { bySeries, best }, measured, reach) {
-  const source = sourceOf(label);
-  if (!source) return best !== undefined && [order, order * (1 + best)].some((place) => Math.abs(measured - place) <= reach);
-  const [low, high] = rangeOf({ order, ofShaft: source.ofShaft }, bySeries.get(source.series) ?? best ?? 0, reach);
-  return low <= measured && measured <= high;
+/** Shifts of peaks without labels: none and the best one, as far as they are evident. Peaks of shaft and balls are among them. */
+export function shiftsOfPeaks({ best }, peaks, measured, reach) {
+  const lines = peaks.map((line) => memberOf(line, measured, reach));
+  const known = best === undefined ? [0] : [0, best];
+  const shifts = known.filter((value) => isEvident(knownShift(lines, value, reach)));
+  return { best, bySeries: new Map([[sourceOf('').series, shifts]]) };
+}
+
+/** Whether a measured order may be the partner of a predicted line. */
+function join({ order, label }, { bySeries }, measured, reach) {
+  const { series, ofShaft } = sourceOf(label ?? '');
+  return (bySeries.get(series) ?? []).some((shift) => isWithin(measured, rangeOf({ order, ofShaft }, shift, reach)));
 }
 
 /** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. Both have orders. */
@@ -95,7 +115,7 @@ export function partnersOf(predicted, measured, shifts, reach) {
   const partners = predicted.map(() => undefined);
   const sequence = predicted.map((_, k) => k).sort((a, b) => predicted[b].amplitude - predicted[a].amplitude);
   for (const k of sequence) {
-    partners[k] = measured.find((line) => !taken.has(line) && joins(predicted[k], shifts, line.order, reach));
+    partners[k] = measured.find((line) => !taken.has(line) && join(predicted[k], shifts, line.order, reach));
     if (partners[k]) taken.add(partners[k]);
   }
   return partners;

@@ -1,6 +1,6 @@
 // Spectrum, levels and lines of a measured signal, with the window and the resolution of a prediction.
 
-import { partnersOf, SHIFT_BINS, shiftsOf } from './measured-partners.js';
+import { partnersOf, SHIFT_BINS, shiftsOf, shiftsOfPeaks } from './measured-partners.js';
 
 /** Noise bandwidth of the Hann window in bins. */
 const BANDWIDTH = 1.5;
@@ -290,7 +290,8 @@ export function comparedLines(predicted, measured, [own, other], resolution, pea
   const left = lines.filter((line) => !partners.includes(line));
   const isListed = ({ frequency_hz }) => predicted.some((line) => Math.abs(line.frequency_hz - frequency_hz) <= SHIFT_BINS * resolution);
   const weaker = ordered(peaks.filter((peak) => !isListed(peak)), own);
-  const ofWeaker = partnersOf(weaker, left, shifts, reach);
+  const ofPeaks = shiftsOfPeaks(shifts, weaker, left.map(({ order }) => order), reach);
+  const ofWeaker = partnersOf(weaker, left, ofPeaks, reach);
   const pairs = weaker.map((line, k) => [line, ofWeaker[k]]).filter(([, found]) => found).slice(0, MOST_WEAKER);
   // A pair that is not shown leaves its measured line among the others.
   const shown = pairs.map(([, found]) => found);

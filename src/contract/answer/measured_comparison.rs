@@ -262,9 +262,6 @@ fn compared_lines(
     let orders =
         |measured: &[MeasuredLine]| measured.iter().map(|line| line.frequency / speeds[1]).collect::<Vec<f64>>();
     let shifts = Shifts::of(&by_order(listed, speeds[0]), &orders(&measured), reach);
-    let partners = |predicted: &[&LineAnswer], measured: &[MeasuredLine]| {
-        partners(&by_order(predicted, speeds[0]), &orders(measured), &shifts, reach)
-    };
     let compared = |line: &LineAnswer, found: &MeasuredLine| {
         let (predicted_order, measured_order) = (of_shaft(line), found.frequency / speeds[1]);
         LineComparisonAnswer {
@@ -282,10 +279,11 @@ fn compared_lines(
         let is_left = |(number, _): &(usize, &MeasuredLine)| !taken.contains(&Some(*number));
         measured.iter().enumerate().filter(is_left).map(|(_, line)| *line).collect()
     };
-    let of_listed = partners(listed, &measured);
+    let of_listed = partners(&by_order(listed, speeds[0]), &orders(&measured), &shifts, reach);
     let left = without(&measured, &of_listed);
     let others: Vec<&LineAnswer> = others.iter().collect();
-    let of_others = partners(&others, &left);
+    let (peaks, left_orders) = (by_order(&others, speeds[0]), orders(&left));
+    let of_others = partners(&peaks, &left_orders, &shifts.of_peaks(&peaks, &left_orders, reach), reach);
     let found = listed.iter().zip(&of_listed).filter_map(|(line, at)| Some(compared(line, &measured[(*at)?])));
     let pairs = others.iter().zip(&of_others).filter_map(|(line, at)| Some((line, (*at)?)));
     let shown: Vec<(&&LineAnswer, usize)> = pairs.take(MOST_LISTED).collect();

@@ -29,13 +29,8 @@ struct Source {
 }
 
 impl Source {
-    /// Of all lines without label together.
-    fn unknown() -> Self {
-        Self { series: String::new(), of_shaft: 0.0 }
-    }
-
-    /// Of a label such as `2·BPFO + f_r − FTF@A`; `None` without one.
-    fn of(label: &str) -> Option<Self> {
+    /// Of a label such as `2·BPFO + f_r − FTF@A`. All lines without label are one series, which shifts as a whole.
+    fn of(label: &str) -> Self {
         let (sum, bearing) = label.split_once('@').unwrap_or((label, ""));
         let signed = sum.replace(" − ", " + −");
         let term = |text: &str| -> (f64, String) {
@@ -46,36 +41,40 @@ impl Source {
         let terms: Vec<(f64, String)> = signed.split(" + ").map(term).collect();
         let slipping = terms.iter().find(|(_, name)| name != SHAFT);
         let series = match slipping {
-            _ if sum.is_empty() => return None,
             Some((_, name)) => format!("{name}@{bearing}"),
             // The whole order shifts, if the stated speed is wrong.
-            None => return Some(Self { series: SHAFT.to_owned(), of_shaft: 0.0 }),
+            None => return Self { series: SHAFT.to_owned(), of_shaft: 0.0 },
         };
         let of_shaft = terms.iter().filter(|(_, name)| name == SHAFT).map(|(order, _)| order).sum();
-        Some(Self { series, of_shaft })
+        Self { series, of_shaft }
     }
 }
 
-/// A predicted line of a series, and the measured orders within the largest shift, strongest first.
+/// A predicted line, and the measured orders within the largest shift, strongest first.
 struct Member {
     order: f64,
-    of_shaft: f64,
+    source: Source,
     near: Vec<f64>,
 }
 
 impl Member {
+    fn of(&PredictedLine { order, label, .. }: &PredictedLine<'_>, measured: &[f64], reach: f64) -> Self {
+        let is_near = |other: &f64| (other - order).abs() <= most(order, reach);
+        Self { order, source: Source::of(label), near: measured.iter().copied().filter(is_near).collect() }
+    }
+
     /// Number of places within the largest shift that a spectrum tells apart.
     fn places(&self, reach: f64) -> f64 {
         most(self.order, reach) / reach
     }
 
-    /// Logarithm of the odds against chance of the strongest line in the range of a shift. A line of its rank or stronger would lie in the range
-    /// by chance with the probability rank over places.
-    fn evidence(&self, shift: f64, reach: f64) -> f64 {
-        let (low, high) = range(self.order, self.of_shaft, shift, reach);
-        let rank = self.near.iter().position(|order| (low..=high).contains(order));
-        let chance = |rank: usize| (rank + 1) as f64 * (high - low) / (2.0 * most(self.order, reach));
-        rank.map_or(0.0, |rank| -chance(rank).min(1.0).ln())
+    /// Logarithm of the odds against chance of the strongest line in the range of a shift; `None` without one. A line of its rank or stronger would
+    /// lie in the range by chance with the probability rank over places.
+    fn evidence(&self, shift: f64, reach: f64) -> Option<f64> {
+        let (low, high) = range(self.order, self.source.of_shaft, shift, reach);
+        let rank = self.near.iter().position(|order| is_within(*order, (low, high)))?;
+        let chance = (rank + 1) as f64 * (high - low) / (2.0 * most(self.order, reach));
+        Some(-chance.min(1.0).ln())
     }
 
     /// Mean evidence at a shift that says nothing.
@@ -92,21 +91,23 @@ fn range(order: f64, of_shaft: f64, shift: f64, reach: f64) -> (f64, f64) {
     (by_slip.min(by_speed) - reach, by_slip.max(by_speed) + reach)
 }
 
+fn is_within(order: f64, (low, high): (f64, f64)) -> bool {
+    (low..=high).contains(&order)
+}
+
 /// Largest distance of a line from its predicted order.
 fn most(order: f64, reach: f64) -> f64 {
     (MOST_SHIFT * order).max(reach)
 }
 
-/// Predicted lines of one source.
-#[derive(Default)]
-struct Series(Vec<Member>);
-
-/// A shift of a series [-].
+/// A shift of lines [-].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Shift {
     value: f64,
-    /// Logarithm of the odds of the series against chance. What is searched pays for each place that might have been found.
+    /// Logarithm of the odds of the lines against chance. What is searched pays for each place that might have been found.
     odds: f64,
+    /// A predicted line meets a measured one.
+    meets: bool,
 }
 
 impl Shift {
@@ -114,70 +115,84 @@ impl Shift {
     fn better(self, other: Self) -> Self {
         if other.odds > self.odds { other } else { self }
     }
-}
 
-impl Series {
-    fn known(&self, value: f64, reach: f64) -> Shift {
-        let odds = self.0.iter().map(|line| line.evidence(value, reach) - line.by_chance(reach)).sum();
-        Shift { value, odds }
-    }
-
-    /// The best shift that moves a predicted line onto a measured one; `None` where nothing was measured in reach.
-    fn searched(&self, reach: f64) -> Option<Shift> {
-        let seen = self.0.iter().filter(|line| !line.near.is_empty());
-        let places = seen.map(|line| line.places(reach)).fold(1.0, f64::max);
-        let shifts = self.0.iter().flat_map(|line| line.near.iter().map(|order| order / line.order - 1.0));
-        let best = shifts.map(|shift| self.known(shift, reach)).reduce(Shift::better)?;
-        Some(Shift { odds: best.odds - places.ln(), ..best })
+    /// Returns true where lines meet that chance does not explain better.
+    fn is_evident(&self) -> bool {
+        self.meets && self.odds >= 0.0
     }
 }
 
-/// Shifts by which measured lines differ from predicted ones, one for each series: harmonics of one frequency and their sidebands.
+/// Predicted lines that share a shift.
+struct Series<'a> {
+    lines: Vec<&'a Member>,
+    reach: f64,
+}
+
+impl Series<'_> {
+    fn known(&self, value: f64) -> Shift {
+        let evidence: Vec<f64> = self.lines.iter().filter_map(|line| line.evidence(value, self.reach)).collect();
+        let by_chance: f64 = self.lines.iter().map(|line| line.by_chance(self.reach)).sum();
+        Shift { value, odds: evidence.iter().sum::<f64>() - by_chance, meets: !evidence.is_empty() }
+    }
+
+    /// No shift, or the best one that moves a predicted line onto a measured one.
+    fn own(&self) -> Shift {
+        let seen = self.lines.iter().filter(|line| !line.near.is_empty());
+        let places = seen.map(|line| line.places(self.reach)).fold(1.0, f64::max);
+        let shifts = self.lines.iter().flat_map(|line| line.near.iter().map(|order| order / line.order - 1.0));
+        let searched = shifts.map(|shift| self.known(shift)).reduce(Shift::better);
+        let none = self.known(0.0);
+        searched.map_or(none, |best| none.better(Shift { odds: best.odds - places.ln(), ..best }))
+    }
+}
+
+/// Shifts by which measured lines differ from predicted ones, for each series: harmonics of one frequency and their sidebands.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shifts {
-    by_series: BTreeMap<String, f64>,
-    /// That with the most evidence; `None` where no series is more than chance.
+    by_series: BTreeMap<String, Vec<f64>>,
+    /// The most evident one of a series, or of all lines together; `None` where chance explains all.
     best: Option<f64>,
 }
 
 impl Shifts {
-    /// The shifts with the most evidence. A series has none, that of the most evident series, or one of its own if that is worth its search.
+    /// The shift of each series is the most evident one of three: none, that of the most evident series, and one of its own, which pays for its search. A
+    /// wrong speed shifts all lines alike, so that they may be evident together. Series without evidence follow the most evident shift.
     ///
     /// `measured`: orders, strongest first. `reach`: [`SHIFT_BINS`] as orders.
     pub fn of(predicted: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Self {
-        let mut all: BTreeMap<String, Series> = BTreeMap::new();
-        for &PredictedLine { order, label, .. } in predicted {
-            let Source { series, of_shaft } = Source::of(label).unwrap_or_else(Source::unknown);
-            let is_near = |other: &f64| (other - order).abs() <= most(order, reach);
-            let near = measured.iter().copied().filter(is_near).collect();
-            all.entry(series).or_default().0.push(Member { order, of_shaft, near });
+        let members: Vec<Member> = predicted.iter().map(|line| Member::of(line, measured, reach)).collect();
+        let mut all: BTreeMap<&str, Vec<&Member>> = BTreeMap::new();
+        for line in &members {
+            all.entry(&line.source.series).or_default().push(line);
         }
-        let own = |series: &Series| {
-            let unshifted = series.known(0.0, reach);
-            series.searched(reach).map_or(unshifted, |searched| unshifted.better(searched))
+        let together = Series { lines: members.iter().collect(), reach };
+        let all: Vec<(&str, Series<'_>)> =
+            all.into_iter().map(|(name, lines)| (name, Series { lines, reach })).collect();
+        let candidates = all.iter().map(|(_, series)| series).chain([&together]);
+        let best = candidates.map(Series::own).filter(Shift::is_evident).reduce(Shift::better).map(|shift| shift.value);
+        let of_series = |series: &Series<'_>| {
+            let own = series.own();
+            let found = best.map_or(own, |best| series.known(best).better(own));
+            if found.is_evident() { Some(found.value) } else { best }
         };
-        let best =
-            all.values().map(own).filter(|shift| shift.odds > 0.0).reduce(Shift::better).map(|shift| shift.value);
-        let of_series = |series: &Series| {
-            let others = best.map_or(own(series), |best| series.known(best, reach).better(own(series)));
-            if others.odds > 0.0 { others.value } else { best.unwrap_or(0.0) }
-        };
-        Self { best, by_series: all.iter().map(|(name, series)| (name.clone(), of_series(series))).collect() }
+        let by_series = all.iter().map(|(name, series)| ((*name).to_owned(), of_series(series).into_iter().collect()));
+        Self { by_series: by_series.collect(), best }
     }
 
-    /// Whether a measured order may be the partner of a predicted line. A line whose source is unknown has its own order or that of the most
-    /// evident shift, and no partner where no shift is known.
-    fn joins(&self, line: &PredictedLine<'_>, measured: f64, reach: f64) -> bool {
-        let order = line.order;
-        let is_at = |place: f64| (measured - place).abs() <= reach;
-        match Source::of(line.label) {
-            Some(Source { series, of_shaft }) => {
-                let shift = self.by_series.get(&series).or(self.best.as_ref()).copied().unwrap_or(0.0);
-                let (low, high) = range(order, of_shaft, shift, reach);
-                (low..=high).contains(&measured)
-            }
-            None => self.best.is_some_and(|shift| is_at(order) || is_at(order * (1.0 + shift))),
-        }
+    /// The shifts of peaks without labels: none and the best one, as far as they are evident. Peaks of shaft and balls are among them.
+    pub fn of_peaks(&self, peaks: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Self {
+        let members: Vec<Member> = peaks.iter().map(|line| Member::of(line, measured, reach)).collect();
+        let series = Series { lines: members.iter().collect(), reach };
+        let known = [Some(0.0), self.best].into_iter().flatten();
+        let shifts = known.map(|value| series.known(value)).filter(Shift::is_evident).map(|shift| shift.value);
+        Self { by_series: BTreeMap::from([(Source::of("").series, shifts.collect())]), best: self.best }
+    }
+
+    /// Whether a measured order may be the partner of a predicted line.
+    fn join(&self, line: &PredictedLine<'_>, measured: f64, reach: f64) -> bool {
+        let Source { series, of_shaft } = Source::of(line.label);
+        let mut shifts = self.by_series.get(&series).into_iter().flatten();
+        shifts.any(|shift| is_within(measured, range(line.order, of_shaft, *shift, reach)))
     }
 }
 
@@ -190,7 +205,7 @@ pub fn partners(predicted: &[PredictedLine<'_>], measured: &[f64], shifts: &Shif
     sequence.sort_by(|a, b| predicted[*b].amplitude.total_cmp(&predicted[*a].amplitude));
     let (mut found, mut is_taken) = (vec![None; predicted.len()], vec![false; measured.len()]);
     for own in sequence {
-        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && shifts.joins(&predicted[own], measured[*k], reach));
+        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && shifts.join(&predicted[own], measured[*k], reach));
         if let Some(partner) = found[own] {
             is_taken[partner] = true;
         }
