@@ -12,6 +12,7 @@ const TONES = [
   [1, 0.3, 1],
   [3.585, 1, 0],
   [16, 0.5, 2],
+  [40, 0.2, 3],
 ];
 
 /** Tones at orders of a shaft of `speed` [Hz] over `duration` [s]. */
@@ -157,11 +158,11 @@ function spectra({ spectrumOf, linesOf, peaksOf, comparedLines, comparedLevels, 
   assert.equal(spectrumOf(signal(SPEED, 3.5), RATE, 1, 2).averages, 2);
   assert.throws(() => spectrumOf(signal(SPEED, 0.5), RATE, 1), /lasts 0.500 s: the spectrum needs 1.00 s/);
   const lines = linesOf(predicted, 20000);
-  assert.equal(lines.length, 3);
+  assert.equal(lines.length, 4);
   const named = lines.map((line) => ({ ...line, label: 'line' }));
   // Peaks of the prediction that are no listed lines have partners, too.
   const weaker = comparedLines(named.slice(0, 1), lines, [SPEED, SPEED], 1, peaksOf(predicted, 20000));
-  assert.deepEqual([weaker.lines.length, weaker.others.length], [3, 0]);
+  assert.deepEqual([weaker.lines.length, weaker.others.length], [4, 0]);
   seriesShareTheirShift(comparedLines);
   const compare = (values, rate, speed, length = 1) => {
     const measured = spectrumOf(values, rate, 1, length);

@@ -27,42 +27,40 @@ function rangeOf({ order, ofShaft }, shift, reach) {
   return [Math.min(...ends) - reach, Math.max(...ends) + reach];
 }
 
-const mostOf = (order, reach) => Math.max(MOST_SHIFT * order, reach);
-/** Number of places within the largest shift that a spectrum tells apart. */
-const placesOf = (order, reach) => mostOf(order, reach) / reach;
-
 const isWithin = (order, [low, high]) => low <= order && order <= high;
 
-/** A predicted line `{ order, label }` with its source, and the measured orders within the largest shift, strongest first. */
-const memberOf = ({ order, label }, measured, reach) => ({
-  order,
-  ...sourceOf(label ?? ''),
-  near: measured.filter((one) => Math.abs(one - order) <= mostOf(order, reach)),
-});
-
-/** Logarithm of the odds against chance of the strongest line in the range of a shift; `null` without one. A line of its rank or stronger would lie
- *  in the range by chance with the probability rank over places. */
-function evidenceOf(line, shift, reach) {
-  const range = rangeOf(line, shift, reach);
-  const rank = line.near.findIndex((one) => isWithin(one, range));
-  return rank < 0 ? null : -Math.log(Math.min(((rank + 1) * (range[1] - range[0])) / (2 * mostOf(line.order, reach)), 1));
-}
-
-/** Mean evidence at a shift that says nothing. */
-function byChance({ order, near }, reach) {
-  const places = placesOf(order, reach);
-  let sum = 0;
-  for (let rank = 1; rank <= Math.min(near.length, Math.floor(places)); rank += 1) sum += Math.log(places / rank) / places;
-  return sum;
+/** Predicted lines `{ order, label }` with their sources, and the measured orders within their largest distance, strongest first. Beyond half of the
+ *  distance to the next line of its series a line would be taken for that one. */
+function membersOf(predicted, measured, reach) {
+  const sources = predicted.map(({ order, label }) => ({ order, ...sourceOf(label ?? '') }));
+  const orders = new Map();
+  for (const { series, order } of sources) orders.set(series, [...(orders.get(series) ?? []), order]);
+  return sources.map((line) => {
+    const nearest = orders.get(line.series).reduce((least, other) => (other === line.order ? least : Math.min(least, Math.abs(other - line.order))), Infinity);
+    const most = Math.max(Math.min(MOST_SHIFT * line.order, nearest / 2), reach);
+    return { ...line, most, near: measured.filter((one) => Math.abs(one - line.order) <= most) };
+  });
 }
 
 const sumOf = (values) => values.reduce((sum, value) => sum + value, 0);
 const better = (one, other) => (one && one.odds >= other.odds ? one : other);
 
-/** A shift of lines: its odds against chance, and whether a line meets a measured one. */
+/** Logarithm of the odds that a shift is true rather than says nothing, and whether a measured line is in its range. If it is true, the line is
+ *  measured with even odds, and is then one of the `near` ones, of rank r with odds 1/r. Chance puts each of these into the range with the
+ *  probability 1/places. */
+function oddsOf(line, shift, reach) {
+  const range = rangeOf(line, shift, reach);
+  const rank = line.near.findIndex((one) => isWithin(one, range)) + 1;
+  if (!rank) return { odds: Math.log(0.5), meets: false };
+  const places = Math.max((2 * line.most) / (range[1] - range[0]), 1);
+  const harmonic = sumOf(line.near.map((_, k) => 1 / (k + 1)));
+  return { odds: Math.log(0.5 * (1 + places / (rank * harmonic))), meets: true };
+}
+
+/** A shift of lines: the logarithm of its odds against chance, and whether a line meets a measured one. */
 function knownShift(lines, value, reach) {
-  const evidence = lines.map((line) => evidenceOf(line, value, reach)).filter((one) => one !== null);
-  return { value, odds: sumOf(evidence) - sumOf(lines.map((line) => byChance(line, reach))), meets: evidence.length > 0 };
+  const all = lines.map((line) => oddsOf(line, value, reach));
+  return { value, odds: sumOf(all.map(({ odds }) => odds)), meets: all.some(({ meets }) => meets) };
 }
 
 /** Chance does not explain better what the lines meet. */
@@ -70,7 +68,7 @@ const isEvident = ({ odds, meets }) => meets && odds >= 0;
 
 /** No shift, or the best one that moves a predicted line onto a measured one. It pays for each place that might have been found. */
 function ownShift(lines, reach) {
-  const places = Math.max(1, ...lines.filter(({ near }) => near.length > 0).map(({ order }) => placesOf(order, reach)));
+  const places = Math.max(1, ...lines.filter(({ near }) => near.length > 0).map(({ most }) => most / reach));
   const shifts = lines.flatMap(({ order, near }) => near.map((one) => one / order - 1));
   const none = knownShift(lines, 0, reach);
   if (!shifts.length) return none;
@@ -81,7 +79,7 @@ function ownShift(lines, reach) {
 /** Shifts of each series, as in the API. `predicted`: `{ order, label }`; `measured`: orders, strongest first. The shift of a series is the most
  *  evident one of three: none, that of the most evident series, and one of its own. A wrong speed shifts all lines alike. */
 export function shiftsOf(predicted, measured, reach) {
-  const all = predicted.map((line) => memberOf(line, measured, reach));
+  const all = membersOf(predicted, measured, reach);
   // In the sequence of the API, so that equal evidence chooses the same.
   const names = [...new Set(all.map(({ series }) => series))].sort();
   const members = names.map((name) => all.filter(({ series }) => series === name));
@@ -95,11 +93,15 @@ export function shiftsOf(predicted, measured, reach) {
   return { best, bySeries: new Map(names.map((name, k) => [name, ofSeries(members[k])])) };
 }
 
-/** Shifts of peaks without labels: none and the best one, as far as they are evident. Peaks of shaft and balls are among them. */
+/** Shifts of peaks without labels, strongest first: none and the best one, if what was measured meets more of the peaks than chance would. Peaks of
+ *  shaft and balls are among them. */
 export function shiftsOfPeaks({ best }, peaks, measured, reach) {
-  const lines = peaks.map((line) => memberOf(line, measured, reach));
+  const lines = measured.map((order) => ({ order, label: '' }));
   const known = best === undefined ? [0] : [0, best];
-  const shifts = known.filter((value) => isEvident(knownShift(lines, value, reach)));
+  const shifts = known.filter((shift) => {
+    const moved = peaks.map(({ order }) => (1 + shift) * order);
+    return isEvident(knownShift(membersOf(lines, moved, reach), 0, reach));
+  });
   return { best, bySeries: new Map([[sourceOf('').series, shifts]]) };
 }
 

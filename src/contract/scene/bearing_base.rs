@@ -68,6 +68,9 @@ fn refusal(name: &str, unknown: UnknownDesignation) -> String {
                 listed(Suffix::all())
             )
         }
+        UnknownDesignation::Arrangement { bearing, arrangement } => format!(
+            "`{name}`: {arrangement} is a pair of {bearing}; give `kind` `machine` with both in `bearings`, facing each other by `faces`"
+        ),
         UnknownDesignation::TwoGroups { bearing } => format!("`{name}`: {bearing} with two clearance groups"),
     }
 }

@@ -20,7 +20,7 @@ use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
-use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
+use crate::simulation::result::lines::{LEAST_BINS, Line, LineSources, OuterRing, find_lines};
 use crate::simulation::result::metrics::{level_db, line_sources};
 use crate::simulation::solve::eligibility::omissions;
 
@@ -295,20 +295,24 @@ struct BearingLine {
 }
 
 impl BearingLine {
-    /// Takes the combination of another bearing where that lies nearer. Of two within a bin, whose lines are one peak, that of the only uneven
-    /// bearing is taken, or else both.
+    /// Takes the combination of another bearing where that lies nearer. Of two that lie equally near, that of the only uneven bearing is taken. Equal
+    /// ones within a bin, whose lines are one peak, name both bearings.
     fn join(&mut self, other: Self, resolution: f64) {
         if other.line.label.is_empty() {
             return;
         }
         let apart = (other.line.deviation - self.line.deviation).abs();
-        if other.line.label == self.line.label && apart < resolution {
-            if other.is_uneven == self.is_uneven {
-                self.bearings.extend(other.bearings);
-            } else if other.is_uneven {
+        let is_equal = other.line.label == self.line.label;
+        let is_near = apart < if is_equal { resolution } else { LEAST_BINS * resolution };
+        if self.line.label.is_empty() {
+            *self = other;
+        } else if is_near && other.is_uneven != self.is_uneven {
+            if other.is_uneven {
                 *self = other;
             }
-        } else if self.line.label.is_empty() || other.line.deviation.abs() < self.line.deviation.abs() {
+        } else if is_near && is_equal {
+            self.bearings.extend(other.bearings);
+        } else if other.line.deviation.abs() < self.line.deviation.abs() {
             *self = other;
         }
     }

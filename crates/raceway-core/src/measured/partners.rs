@@ -50,37 +50,48 @@ impl Source {
     }
 }
 
-/// A predicted line, and the measured orders within the largest shift, strongest first.
+/// A predicted line, and the measured orders within its largest distance, strongest first.
 struct Member {
     order: f64,
     source: Source,
+    /// Largest distance of the line from its order. Beyond half of that to the next line of its series it would be taken for that one.
+    most: f64,
     near: Vec<f64>,
 }
 
 impl Member {
-    fn of(&PredictedLine { order, label, .. }: &PredictedLine<'_>, measured: &[f64], reach: f64) -> Self {
-        let is_near = |other: &f64| (other - order).abs() <= most(order, reach);
-        Self { order, source: Source::of(label), near: measured.iter().copied().filter(is_near).collect() }
+    /// Of all predicted lines.
+    fn all(predicted: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Vec<Self> {
+        let mut orders: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for line in predicted {
+            orders.entry(Source::of(line.label).series).or_default().push(line.order);
+        }
+        let one = |&PredictedLine { order, label, .. }: &PredictedLine<'_>| {
+            let source = Source::of(label);
+            let others = orders[&source.series].iter().filter(|other| **other != order);
+            let nearest = others.map(|other| (other - order).abs()).fold(f64::INFINITY, f64::min);
+            let most = (MOST_SHIFT * order).min(0.5 * nearest).max(reach);
+            let is_near = |other: &f64| (other - order).abs() <= most;
+            Self { order, source, most, near: measured.iter().copied().filter(is_near).collect() }
+        };
+        predicted.iter().map(one).collect()
     }
 
-    /// Number of places within the largest shift that a spectrum tells apart.
+    /// Number of places within the largest distance that a spectrum tells apart.
     fn places(&self, reach: f64) -> f64 {
-        most(self.order, reach) / reach
+        self.most / reach
     }
 
-    /// Logarithm of the odds against chance of the strongest line in the range of a shift; `None` without one. A line of its rank or stronger would
-    /// lie in the range by chance with the probability rank over places.
-    fn evidence(&self, shift: f64, reach: f64) -> Option<f64> {
+    /// Logarithm of the odds that a shift is true rather than says nothing, and whether a measured line is in its range. If it is true, the line is
+    /// measured with even odds, and is then one of the `near` ones, of rank r with odds 1/r. Chance puts each of these into the range with the
+    /// probability 1/places.
+    fn odds(&self, shift: f64, reach: f64) -> (f64, bool) {
         let (low, high) = range(self.order, self.source.of_shaft, shift, reach);
-        let rank = self.near.iter().position(|order| is_within(*order, (low, high)))?;
-        let chance = (rank + 1) as f64 * (high - low) / (2.0 * most(self.order, reach));
-        Some(-chance.min(1.0).ln())
-    }
-
-    /// Mean evidence at a shift that says nothing.
-    fn by_chance(&self, reach: f64) -> f64 {
-        let places = self.places(reach);
-        (1..=self.near.len().min(places as usize)).map(|rank| (places / rank as f64).ln() / places).sum()
+        let rank = self.near.iter().position(|order| is_within(*order, (low, high)));
+        let places = (2.0 * self.most / (high - low)).max(1.0);
+        let harmonic = |count: usize| (1..=count).map(|rank| 1.0 / rank as f64).sum::<f64>();
+        let gain = rank.map_or(0.0, |rank| places / ((rank + 1) as f64 * harmonic(self.near.len())));
+        ((0.5 * (1.0 + gain)).ln(), rank.is_some())
     }
 }
 
@@ -95,16 +106,11 @@ fn is_within(order: f64, (low, high): (f64, f64)) -> bool {
     (low..=high).contains(&order)
 }
 
-/// Largest distance of a line from its predicted order.
-fn most(order: f64, reach: f64) -> f64 {
-    (MOST_SHIFT * order).max(reach)
-}
-
 /// A shift of lines [-].
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Shift {
     value: f64,
-    /// Logarithm of the odds of the lines against chance. What is searched pays for each place that might have been found.
+    /// Logarithm of the odds against chance. What is searched pays for each place that might have been found.
     odds: f64,
     /// A predicted line meets a measured one.
     meets: bool,
@@ -130,9 +136,12 @@ struct Series<'a> {
 
 impl Series<'_> {
     fn known(&self, value: f64) -> Shift {
-        let evidence: Vec<f64> = self.lines.iter().filter_map(|line| line.evidence(value, self.reach)).collect();
-        let by_chance: f64 = self.lines.iter().map(|line| line.by_chance(self.reach)).sum();
-        Shift { value, odds: evidence.iter().sum::<f64>() - by_chance, meets: !evidence.is_empty() }
+        let nothing = Shift { value, odds: 0.0, meets: false };
+        self.lines.iter().map(|line| line.odds(value, self.reach)).fold(nothing, |sum, (odds, meets)| Shift {
+            odds: sum.odds + odds,
+            meets: sum.meets || meets,
+            ..sum
+        })
     }
 
     /// No shift, or the best one that moves a predicted line onto a measured one.
@@ -160,7 +169,7 @@ impl Shifts {
     ///
     /// `measured`: orders, strongest first. `reach`: [`SHIFT_BINS`] as orders.
     pub fn of(predicted: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Self {
-        let members: Vec<Member> = predicted.iter().map(|line| Member::of(line, measured, reach)).collect();
+        let members = Member::all(predicted, measured, reach);
         let mut all: BTreeMap<&str, Vec<&Member>> = BTreeMap::new();
         for line in &members {
             all.entry(&line.source.series).or_default().push(line);
@@ -179,13 +188,20 @@ impl Shifts {
         Self { by_series: by_series.collect(), best }
     }
 
-    /// The shifts of peaks without labels: none and the best one, as far as they are evident. Peaks of shaft and balls are among them.
+    /// The shifts of peaks without labels: none and the best one, if what was measured meets more of the peaks than chance would. Peaks of shaft and
+    /// balls are among them.
+    ///
+    /// `peaks` and `measured`: strongest first.
     pub fn of_peaks(&self, peaks: &[PredictedLine<'_>], measured: &[f64], reach: f64) -> Self {
-        let members: Vec<Member> = peaks.iter().map(|line| Member::of(line, measured, reach)).collect();
-        let series = Series { lines: members.iter().collect(), reach };
-        let known = [Some(0.0), self.best].into_iter().flatten();
-        let shifts = known.map(|value| series.known(value)).filter(Shift::is_evident).map(|shift| shift.value);
-        Self { by_series: BTreeMap::from([(Source::of("").series, shifts.collect())]), best: self.best }
+        let lines: Vec<PredictedLine<'_>> =
+            measured.iter().map(|&order| PredictedLine { order, amplitude: 0.0, label: "" }).collect();
+        let is_evident = |shift: &f64| {
+            let moved: Vec<f64> = peaks.iter().map(|peak| (1.0 + shift) * peak.order).collect();
+            let members = Member::all(&lines, &moved, reach);
+            Series { lines: members.iter().collect(), reach }.known(0.0).is_evident()
+        };
+        let shifts = [Some(0.0), self.best].into_iter().flatten().filter(is_evident).collect();
+        Self { by_series: BTreeMap::from([(Source::of("").series, shifts)]), best: self.best }
     }
 
     /// Whether a measured order may be the partner of a predicted line.

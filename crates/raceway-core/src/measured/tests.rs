@@ -119,12 +119,12 @@ fn paired(predicted: &[(f64, f64, &str)], measured: &[f64], reach: f64) -> Vec<O
 
 #[test]
 fn lines_without_labels_find_their_partners() {
-    let predicted = [(1.0, 0.1, ""), (4.0, 1.0, ""), (4.2, 0.5, ""), (9.0, 0.2, "")];
-    // Strongest first: a line of the rig, the first two shifted by 1 %, and a weak one nearer to the first.
-    let measured = [6.0, 3.96, 4.158, 4.01, 1.02];
-    assert_eq!(paired(&predicted, &measured, 0.015), [None, Some(1), Some(2), None]);
-    // Wide bins find the shaft, too.
-    assert_eq!(paired(&predicted, &measured, 0.033)[0], Some(4));
+    let predicted = [(4.0, 1.0, ""), (4.2, 0.5, ""), (9.0, 0.2, ""), (16.0, 0.2, ""), (40.0, 0.1, "")];
+    // Strongest first: a line of the rig, then four shifted by 1 %, and a weak one nearer to the first.
+    let measured = [6.0, 3.96, 4.158, 15.84, 39.6, 4.01];
+    assert_eq!(paired(&predicted, &measured, 0.015), [Some(1), Some(2), None, Some(3), Some(4)]);
+    // Bins that tell nothing apart take what is near.
+    assert_eq!(paired(&[(1.0, 0.1, "")], &[1.03], 0.033), [Some(0)]);
     assert!(paired(&[], &measured, 0.03).is_empty());
 }
 
@@ -179,6 +179,18 @@ fn a_single_line_follows_the_others() {
     let orders: Vec<f64> = predicted.iter().map(|line| line.0).collect();
     let measured: Vec<f64> = [12.62].into_iter().chain(orders).collect();
     assert_eq!(paired(&predicted, &measured, 0.03), (1..10).map(Some).collect::<Vec<_>>());
+}
+
+/// At a low speed harmonics stand closer than the largest shift. A resonance above them makes the next ones stronger, which shows no shift.
+#[test]
+fn close_harmonics_stay_in_place() {
+    let labels: Vec<String> = (90..110).map(|k| format!("{k}·BPFO")).collect();
+    let orders: Vec<f64> = (90..110).map(|k| 3.585 * f64::from(k)).collect();
+    let predicted: Vec<(f64, f64, &str)> =
+        orders.iter().zip(&labels).map(|(order, label)| (*order, *order, label.as_str())).collect();
+    let measured: Vec<f64> = orders.iter().rev().copied().collect();
+    let expected: Vec<Option<usize>> = (0..20).rev().map(Some).collect();
+    assert_eq!(paired(&predicted, &measured, 0.5), expected);
 }
 
 /// One of twenty lines that meets a measured one proves nothing, nor do lines shifted by more than the largest shift.

@@ -37,6 +37,8 @@ pub enum UnknownDesignation {
     Suffix { bearing: &'static str, rest: String },
     /// Two clearance groups.
     TwoGroups { bearing: &'static str },
+    /// Two bearings that face each other.
+    Arrangement { bearing: &'static str, arrangement: &'static str },
 }
 
 /// Suffixes, longer ones before those that they begin with. Makers' names of the same seal stand together.
@@ -96,6 +98,10 @@ const SUFFIXES: [Suffix; 50] = [
 /// Prefixes of makers, longer ones first.
 const PREFIXES: [Suffix; 3] = [Suffix::Hybrid("HCB"), Suffix::Hybrid("HC"), Suffix::Design("B")];
 
+/// Arrangements of two bearings, and letters of the preload that may follow.
+const ARRANGEMENTS: [&str; 3] = ["DB", "DF", "DT"];
+const PRELOADS: [char; 3] = ['L', 'M', 'H'];
+
 /// Characters between designation and suffixes.
 const SEPARATORS: [char; 5] = [' ', '-', '/', '.', ','];
 /// Longest designation that is read [characters].
@@ -128,6 +134,9 @@ impl Designation {
             rest = rest.trim_start_matches(SEPARATORS);
             if rest.is_empty() {
                 break;
+            }
+            if let Some(arrangement) = arrangement(rest) {
+                return Err(UnknownDesignation::Arrangement { bearing: bearing.designation, arrangement });
             }
             let found = SUFFIXES
                 .iter()
@@ -228,6 +237,12 @@ fn changes(one: &str, other: &str) -> usize {
     row.last().copied().unwrap_or_default()
 }
 
+/// The arrangement that a text begins with as a whole word.
+fn arrangement(text: &str) -> Option<&'static str> {
+    let is_word = |rest: &str| rest.strip_prefix(PRELOADS).unwrap_or(rest).trim_start_matches(SEPARATORS).is_empty();
+    ARRANGEMENTS.into_iter().find(|arrangement| text.strip_prefix(arrangement).is_some_and(is_word))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -280,6 +295,11 @@ mod tests {
         let design = UnknownDesignation::Suffix { bearing: "6206", rest: "D".to_owned() };
         assert_eq!(Designation::read("6206D"), Err(design));
         assert!(matches!(Designation::read("B6206"), Err(UnknownDesignation::Bearing { .. })));
+        for (name, arrangement) in [("7008C DB", "DB"), ("7008CDT", "DT"), ("B7008-C-T-P4S-DFL", "DF")] {
+            let pair = UnknownDesignation::Arrangement { bearing: "7008C", arrangement };
+            assert_eq!(Designation::read(name), Err(pair), "{name}");
+        }
+        assert!(Designation::read("7008 CDTN9").is_ok());
         assert_eq!(Designation::read("6206C3C4"), Err(UnknownDesignation::TwoGroups { bearing: "6206" }));
     }
 

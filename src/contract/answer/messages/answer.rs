@@ -86,7 +86,7 @@ pub enum Severity {
 ///
 /// `velocity-not-resolved`: The record is too short for the velocity from 10 to 1000 Hz. Set `duration_s` to 0.2 or more.
 ///
-/// `power-beyond-bands`: The power of the bands is not that of the signal. Increase `duration_s`.
+/// `power-beyond-bands`: The power of the bands is not that of the signal. Increase `duration_s`; where the speed changes, keep `outputs.orders`.
 ///
 /// `line-at-edge`: A line lies at the edge of two bands, so that both have a share of it. Increase `duration_s`, or move the edge.
 ///

@@ -42,7 +42,7 @@ fn power_beyond_bands(channel: &str, ratio: f64) -> MessageAnswer {
     let text = format!(
         "The spectra of {channel} hold {ratio} times the power of its signal, so that its bands do not sum to its level: the motion changes \
          during the record, is irregular, or is slower than the spectra resolve. Increase duration_s or settle_s; where the speed changes, \
-         look at orders."
+         keep outputs.orders."
     );
     message(MessageCode::PowerBeyondBands, Severity::Warning, text, [("parseval_ratio", json!(ratio))])
 }

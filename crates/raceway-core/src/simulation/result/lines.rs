@@ -34,9 +34,9 @@ pub(crate) const LEAST_SHARE: f64 = 1e-3;
 pub(super) const TOLERANCE_BINS: f64 = 0.5;
 /// … plus this share of the terms that turn with the cage, the uncertainty of the mean slip of a run. The shaft does not slip.
 pub(super) const TOLERANCE_SHARE: f64 = 2e-4;
-/// A label is never off by more than the place of its line is uncertain, so that it is not taken by chance. Steady lines deviate by less than this
-/// many bins.
-const STEADY_BINS: f64 = 0.01;
+/// A label is never off by more than the place of its line is uncertain, so that few are taken by chance. Steady strong lines deviate by less than a
+/// hundredth of a bin; neighbours move weak ones by up to this many bins.
+pub(crate) const LEAST_BINS: f64 = 0.1;
 /// Smallest frequency of a label in tolerances: closer combs would fit any line.
 const SEPARATION: f64 = 6.0;
 /// Largest complexity of a label with more than one term.
@@ -269,7 +269,7 @@ fn label(Place { frequency, spread }: Place, sources: &LineSources<'_>, resoluti
         let tolerance = of_bins + of_slip;
         // Whirl has only a mean rate.
         let is_whirl = [CAGE_WHIRL, SPINDLE_WHIRL].contains(&combination[0].name);
-        let of_place = STEADY_BINS * resolution + spread + of_slip;
+        let of_place = LEAST_BINS * resolution + spread + of_slip;
         let widest = if is_whirl { tolerance } else { tolerance.min(of_place) };
         let is_near = |share: f64| deviation.abs() <= share * tolerance;
         let plain = sides <= PLAIN_SIDEBAND && is_near(GOOD_FIT) || are_driven && is_near(DRIVEN_FIT);
