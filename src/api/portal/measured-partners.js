@@ -34,7 +34,7 @@ const isWithin = (order, [low, high]) => low <= order && order <= high;
 function membersOf(predicted, measured, reach) {
   const sources = predicted.map(({ order, label }) => ({ order, ...sourceOf(label ?? '') }));
   const orders = new Map();
-  for (const { series, order } of sources) orders.set(series, [...(orders.get(series) ?? []), order]);
+  for (const { series, order } of sources) orders.set(series, (orders.get(series) ?? []).concat(order));
   return sources.map((line) => {
     const nearest = orders.get(line.series).reduce((least, other) => (other === line.order ? least : Math.min(least, Math.abs(other - line.order))), Infinity);
     const most = Math.max(Math.min(MOST_SHIFT * line.order, nearest / 2), reach);
@@ -105,10 +105,10 @@ export function shiftsOfPeaks({ best }, peaks, measured, reach) {
   return { best, bySeries: new Map([[sourceOf('').series, shifts]]) };
 }
 
-/** Whether a measured order may be the partner of a predicted line. */
-function join({ order, label }, { bySeries }, measured, reach) {
+/** Orders between which the partner of a predicted line lies, for each shift of its series. */
+function rangesOf({ order, label }, { bySeries }, reach) {
   const { series, ofShaft } = sourceOf(label ?? '');
-  return (bySeries.get(series) ?? []).some((shift) => isWithin(measured, rangeOf({ order, ofShaft }, shift, reach)));
+  return (bySeries.get(series) ?? []).map((shift) => rangeOf({ order, ofShaft }, shift, reach));
 }
 
 /** Partner of each predicted line among measured ones, `undefined` without one; stronger predicted lines choose first. Both have orders. */
@@ -117,7 +117,8 @@ export function partnersOf(predicted, measured, shifts, reach) {
   const partners = predicted.map(() => undefined);
   const sequence = predicted.map((_, k) => k).sort((a, b) => predicted[b].amplitude - predicted[a].amplitude);
   for (const k of sequence) {
-    partners[k] = measured.find((line) => !taken.has(line) && join(predicted[k], shifts, line.order, reach));
+    const ranges = rangesOf(predicted[k], shifts, reach);
+    partners[k] = measured.find((line) => !taken.has(line) && ranges.some((range) => isWithin(line.order, range)));
     if (partners[k]) taken.add(partners[k]);
   }
   return partners;

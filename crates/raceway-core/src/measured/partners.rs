@@ -204,11 +204,11 @@ impl Shifts {
         Self { by_series: BTreeMap::from([(Source::of("").series, shifts)]), best: self.best }
     }
 
-    /// Whether a measured order may be the partner of a predicted line.
-    fn join(&self, line: &PredictedLine<'_>, measured: f64, reach: f64) -> bool {
+    /// Orders between which the partner of a predicted line lies, for each shift of its series.
+    fn ranges(&self, line: &PredictedLine<'_>, reach: f64) -> Vec<(f64, f64)> {
         let Source { series, of_shaft } = Source::of(line.label);
-        let mut shifts = self.by_series.get(&series).into_iter().flatten();
-        shifts.any(|shift| is_within(measured, range(line.order, of_shaft, *shift, reach)))
+        let shifts = self.by_series.get(&series).into_iter().flatten();
+        shifts.map(|shift| range(line.order, of_shaft, *shift, reach)).collect()
     }
 }
 
@@ -221,7 +221,9 @@ pub fn partners(predicted: &[PredictedLine<'_>], measured: &[f64], shifts: &Shif
     sequence.sort_by(|a, b| predicted[*b].amplitude.total_cmp(&predicted[*a].amplitude));
     let (mut found, mut is_taken) = (vec![None; predicted.len()], vec![false; measured.len()]);
     for own in sequence {
-        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && shifts.join(&predicted[own], measured[*k], reach));
+        let ranges = shifts.ranges(&predicted[own], reach);
+        let is_partner = |order: f64| ranges.iter().any(|range| is_within(order, *range));
+        found[own] = (0..measured.len()).find(|k| !is_taken[*k] && is_partner(measured[*k]));
         if let Some(partner) = found[own] {
             is_taken[partner] = true;
         }

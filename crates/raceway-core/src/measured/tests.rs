@@ -210,3 +210,14 @@ fn chance_makes_no_partner() {
     let measured: Vec<f64> = predicted.iter().map(|line| 1.019 * line.0).collect();
     assert_eq!(paired(&predicted, &measured, 0.03), (0..predicted.len()).map(Some).collect::<Vec<_>>());
 }
+
+/// Thousands of lines and peaks are compared in time that a request can wait for, and none is lost.
+#[test]
+fn many_peaks_are_compared() {
+    let orders: Vec<f64> = (0..4000).map(|k| 1.0 + 0.1 * f64::from(k)).collect();
+    let peaks: Vec<PredictedLine<'_>> =
+        orders.iter().map(|&order| PredictedLine { order, amplitude: 1.0, label: "" }).collect();
+    let shifts = Shifts::default().of_peaks(&peaks, &orders, 0.01);
+    let found = partners(&peaks, &orders, &shifts, 0.01);
+    assert_eq!(found, (0..4000).map(Some).collect::<Vec<_>>());
+}
