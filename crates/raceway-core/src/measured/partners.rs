@@ -77,7 +77,7 @@ impl Member {
         predicted.iter().map(one).collect()
     }
 
-    /// Number of places within the largest distance that a spectrum tells apart.
+    /// Number of distinct places of a line within the largest distance.
     fn places(&self, reach: f64) -> f64 {
         self.most / reach
     }
@@ -110,7 +110,7 @@ fn is_within(order: f64, (low, high): (f64, f64)) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Shift {
     value: f64,
-    /// Logarithm of the odds against chance. What is searched pays for each place that might have been found.
+    /// Logarithm of the odds of this shift against chance, less that of the number of places at which a search could have found it.
     odds: f64,
     /// A predicted line meets a measured one.
     meets: bool,
@@ -122,7 +122,7 @@ impl Shift {
         if other.odds > self.odds { other } else { self }
     }
 
-    /// Returns true where lines meet that chance does not explain better.
+    /// Returns true where chance does not explain better which lines meet.
     fn is_evident(&self) -> bool {
         self.meets && self.odds >= 0.0
     }

@@ -290,14 +290,13 @@ fn slipping(combination: &[Term; 3]) -> f64 {
     combination.iter().filter(slips).map(|term| f64::from(term.order.abs()) * term.frequency).sum()
 }
 
-/// Combinations with a physical cause that come near the frequency. Sidebands of a source, and the motions that they come from:
-/// - harmonics of the shaft and of the ball passage under the load: shaft, passage, cage;
-/// - ball passage of an outer raceway that turns: its ring;
-/// - ball passage of the inner raceway: shaft;
-/// - orders of given waves of the inner raceway: ball passage under the load;
-/// - even orders of a ball's spin, and odd ones where it has them: cage;
-/// - ball passage under the load: harmonic loads, which also stand alone;
-/// - whirl of cage and spindle, which follows from their motion: none.
+/// Combinations with a physical cause that come near the frequency. Each source has sidebands of the motions that its line comes from:
+/// - Harmonics of the shaft and of the ball passage under the load have those of shaft, passage and cage.
+/// - The ball passage of an outer raceway that turns has those of its ring, and that of the inner raceway those of the shaft.
+/// - Orders of given waves of the inner raceway have those of the ball passage under the load.
+/// - Even orders of a ball's spin, and odd ones where it has them, have those of the cage.
+/// - The ball passage under the load has those of harmonic loads, which also stand alone.
+/// - Whirl of cage and spindle has none, because it follows from their motion.
 fn combinations(frequency: f64, sources: &LineSources<'_>, tolerance: f64) -> Vec<[Term; 3]> {
     let term = |name, frequency, weight| Term { name, frequency, weight, order: 0, unit: 1, driven: false };
     let all = &sources.frequencies;
