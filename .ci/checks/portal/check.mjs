@@ -152,21 +152,20 @@ function titles(title) {
 /** A page that notes everything that must not happen. `expected(status, path)`: refusals that the check provokes, which Chromium itself logs; status 0: no connection. */
 async function open(browser, settings, expected = () => false) {
   const context = await browser.newContext({ viewport: DESKTOP, ...settings });
-  const page = await context.newPage();
   const faults = [];
   noted.push(faults);
-  page.on('pageerror', (error) => faults.push(`page error: ${error.stack}`));
-  page.on('console', (message) => {
+  context.on('weberror', (error) => faults.push(`page error: ${error.error().stack}`));
+  context.on('console', (message) => {
     if (!['error', 'warning'].includes(message.type())) return;
     const refused = message.text().match(/Failed to load resource: (?:.*status of (\d+)|net::ERR_INTERNET_DISCONNECTED)/);
     if (refused && expected(Number(refused[1] ?? 0), new URL(message.location().url).pathname)) return;
     faults.push(`console: ${message.text()} (${message.location().url})`);
   });
-  page.on('request', (request) => {
+  context.on('request', (request) => {
     const { protocol, hostname } = new URL(request.url());
     if (!['blob:', 'data:'].includes(protocol) && hostname !== '127.0.0.1') faults.push(`request to ${request.url()}`);
   });
-  return { page, context, faults };
+  return { page: await context.newPage(), context, faults };
 }
 
 const picture = async (page, name) => {
@@ -207,7 +206,6 @@ async function example(browser, url, hasToken) {
   const times = [];
   // The first of three opens with cold caches, and the machine has other work.
   for (let opening = 0; opening < 3; opening += 1) {
-    await page.goto('about:blank');
     await page.goto(url);
     await page.waitForFunction(() => document.querySelector('#panel-result .line-label'), undefined, { polling: 'raf' });
     times.push(await page.evaluate(() => performance.now()));
@@ -876,14 +874,21 @@ async function rigidSpindle(page) {
 
 /** Links that say no more than a run, or not even that. `hash`: that of a page with a run of 50 000 r/min. */
 async function links(browser, url, hash) {
-  const { page, context, faults } = await open(browser, {}, (status, path) => status === 404 && path.startsWith('/v1/jobs/'));
+  const opened = await open(browser, {}, (status, path) => status === 404 && path.startsWith('/v1/jobs/'));
+  const { context, faults } = opened;
+  let { page } = opened;
   const run = new URLSearchParams(hash.slice(1)).get('run');
+  // Each link opens in a tab of its own: in the same tab it would only change the fragment of the address.
   const to = async (said) => {
-    await page.goto('about:blank');
+    await page.close();
+    page = await context.newPage();
     await page.goto(`${url}/#${said}`);
+  };
+  const toForm = async (said) => {
+    await to(said);
     await page.locator('.drawing svg').waitFor();
   };
-  await to(`run=${run}`);
+  await toForm(`run=${run}`);
   await page.locator('#panel-result .line-label').first().waitFor();
   assert.equal(await field(page, '/scene/operation/speed_rpm').inputValue(), '50000', 'the form has the scene of the run');
   for (const [said, told] of [
@@ -891,12 +896,12 @@ async function links(browser, url, hash) {
     ['run=..%2Fpresets', 'names no run'],
     [`run=${run.slice(0, -4)}0000`, 'is gone'],
   ]) {
-    await to(said);
+    await toForm(said);
     await page.locator('#panel-result .empty', { hasText: told }).waitFor();
     assert.ok(!page.url().includes('run='), page.url());
   }
   const { jobs } = await (await fetch(`${url}/v1/jobs?kind=study&status=succeeded`)).json();
-  await to(`run=${jobs[0].id}`);
+  await toForm(`run=${jobs[0].id}`);
   // The newest study has one axis, which is a curve, or two, which are a map.
   await page.locator('#panel-study').locator('.uplot canvas, .chart svg').first().waitFor();
   assert.equal(await page.locator('#tab-study').getAttribute('aria-selected'), 'true');
@@ -907,8 +912,7 @@ async function links(browser, url, hash) {
   const supports = [20, 300].map((at_mm) => ({ at_mm, stiffness_n_per_um: [0, 50, 50] }));
   const shaft = { sections: [{ length_mm: 321, outer_diameter_mm: 25 }] };
   const bar = { kind: 'rotor', scene: { shaft, supports, operation: { speed_rpm: 3000 } } };
-  await page.goto('about:blank');
-  await page.goto(`${url}/#${new URLSearchParams({ job: JSON.stringify(bar) })}`);
+  await to(new URLSearchParams({ job: JSON.stringify(bar) }));
   await page.locator('#panel-shaft .rotor').waitFor();
   assert.equal(await page.locator('#tab-shaft').getAttribute('aria-selected'), 'true');
   assert.ok(page.url().includes('321'), 'the address keeps the shaft');
