@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::{Loss, Machine, MachineError};
 use raceway_core::machine::result::{BearingMetrics, MachineResult, SignalMetrics, SignalSpectra};
-use raceway_core::machine::run::simulate_on;
+use raceway_core::machine::simulate::simulate_on;
 use raceway_core::numerics::spectrum::EnvelopeKind;
 use raceway_core::simulation::input::control::Control;
 use raceway_core::simulation::input::model_level::ModelLevel;
@@ -291,7 +291,7 @@ fn answer(job: &MachineJob, result: &MachineResult) -> MachineAnswer {
         is_stable: result.growth_rate.map(|rate| rate < 0.0),
         model: MachineModelAnswer {
             rung: result.level.name().to_owned(),
-            left_out: result.left_out.iter().map(LeftOutAnswer::from).collect(),
+            left_out: result.left_out().iter().map(LeftOutAnswer::from).collect(),
             coordinates: result.coordinates as u64,
             states: result.states as u64,
             step_us: US.to_user(result.accuracy.step),

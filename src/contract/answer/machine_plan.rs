@@ -9,7 +9,7 @@ use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::ordered::{self, ClearanceAnswer, DesignationAnswer, OilAnswer};
-use super::report::FrequenciesAnswer;
+use super::report::{FrequenciesAnswer, LeftOutAnswer};
 use crate::contract::job::cost::CostAnswer;
 use crate::contract::job::machine::{MachineInput, MachineJob};
 use crate::contract::json::numbers::significant;
@@ -30,6 +30,9 @@ pub struct MachinePlanAnswer {
     pub bearings: Vec<PlannedBearingAnswer>,
     /// Number of coordinates of shaft and housing: rigid motions, modes and residual vectors.
     pub coordinates: u64,
+    /// Terms of shaft and housing that are off, and with `solver.model_tolerance_db` those that a leaner model leaves out, which the run tries.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutAnswer>,
     /// Time simulated before recording begins [s].
     #[schema(minimum = 0)]
     pub settle_s: f64,
@@ -75,7 +78,7 @@ pub struct PlannedBearingAnswer {
 impl MachinePlanAnswer {
     /// Plans a machine job. `stop` is polled; true ends the analysis.
     pub fn of(job: &MachineJob, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
-        let MachinePlan { coordinates, states, settle, step, wall_time: (likely, most) } =
+        let MachinePlan { coordinates, states, settle, step, omitted, wall_time: (likely, most) } =
             plan(&job.machine, &job.settings, job.level, stop)?;
         let bearings = job.machine.bearings.iter().zip(&job.scenes);
         Ok(Self {
@@ -83,6 +86,7 @@ impl MachinePlanAnswer {
             defaults: job.defaults.clone(),
             bearings: bearings.enumerate().map(|(index, of)| planned(index, of, &job.machine)).collect(),
             coordinates: coordinates as u64,
+            left_out: omitted.iter().map(LeftOutAnswer::from).collect(),
             settle_s: significant(settle, 4),
             step_us: US.to_user(step),
             cost: CostAnswer {

@@ -5,6 +5,7 @@ use utoipa::ToSchema;
 
 use super::messages;
 use crate::contract::json::numbers::significant;
+use raceway_core::machine::omission::OmittedTerm;
 use raceway_core::physics::kinematics::CharacteristicFrequencies;
 use raceway_core::simulation::error::codes::Quantity;
 use raceway_core::simulation::error::errors::QuantityErrors;
@@ -261,8 +262,14 @@ impl From<&LeftOut> for LeftOutAnswer {
                 Justification::Judgement => GroundsName::Judgement,
                 Justification::Convention => GroundsName::Convention,
             },
-            bound: bound.map(|bound| bound.0),
+            bound: bound.map(|bound| significant(bound.0, 3)),
             unit: bound.map(|bound| bound.1.to_owned()),
         }
+    }
+}
+
+impl From<&OmittedTerm> for LeftOutAnswer {
+    fn from(omitted: &OmittedTerm) -> Self {
+        Self::from(&LeftOut::from(omitted))
     }
 }

@@ -169,6 +169,10 @@ fn dropped(model: &RotorModelAnswer) -> Option<String> {
     let of_housing = model.leaves_out_housing.then(|| {
         "Dropped: the housing and the seats of outer rings. Supports and bearings stand on the ground here.".to_owned()
     });
-    let sentences: Vec<String> = of_housing.into_iter().chain(of_tilt).chain(of_coupling).chain(of_shaft).collect();
+    let kept: Vec<&str> = model.left_out.iter().map(|left_out| left_out.term.as_str()).collect();
+    let of_terms = (!kept.is_empty())
+        .then(|| format!("Kept, as far as ROSS has it, though the scene switches it off: {}.", kept.join(", ")));
+    let sentences = of_housing.into_iter().chain(of_tilt).chain(of_coupling).chain(of_shaft).chain(of_terms);
+    let sentences: Vec<String> = sentences.collect();
     (!sentences.is_empty()).then(|| sentences.join("\n"))
 }

@@ -6,6 +6,7 @@ use raceway_core::rotor::result::RotorResult;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::report::LeftOutAnswer;
 use crate::contract::job::rotor::RotorJob;
 use crate::contract::json::units::RPM;
 
@@ -31,6 +32,9 @@ pub struct RotorModelAnswer {
     /// Whether housing bodies or outer rings move; the model leaves them out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub leaves_out_housing: bool,
+    /// Terms that the analysis is without because the scene switches them off. Their data stand here all the same.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutAnswer>,
     /// Operating speed [rad/s].
     pub speed_rad_s: f64,
     /// Requested speeds [rad/s].
@@ -141,6 +145,7 @@ impl RotorModelAnswer {
                     ModelSupportAnswer { node: node(at), k, c }
                 })
                 .collect(),
+            left_out: job.omitted.iter().map(LeftOutAnswer::from).collect(),
             leaves_out_housing: rotor.has_moving_housing(),
             speed_rad_s: rotor.speed,
             speeds_rad_s: job.speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect(),

@@ -249,7 +249,7 @@ pub(super) fn machine(
     resolved: &ResolvedRotor,
     defaults: &mut Defaults,
 ) -> Option<Machine> {
-    let ResolvedRotor { rotor, scenes, sensors, speed, outer_speed, .. } = resolved;
+    let ResolvedRotor { rotor, complete, terms, scenes, sensors, speed, outer_speed, .. } = resolved;
     let inputs = scene.bearings.as_deref_mut().unwrap_or_default();
     if inputs.len() != scenes.len() {
         return None;
@@ -262,11 +262,13 @@ pub(super) fn machine(
         let azimuth = DEG.to_si(defaults.fill(pointer, &mut input.start_azimuth_deg, usual));
         bearings.push(MachineBearing { name: input.name.clone(), scene: scene.clone(), start_azimuth: azimuth });
     }
-    let rotor = rotor.clone().at_speeds(RingSpeeds { inner: speed.at(0.0).1, outer: outer_speed.at(0.0).1 });
-    let parts = scene.housing.iter().flat_map(|housing| housing.parts());
+    let speeds = RingSpeeds { inner: speed.at(0.0).1, outer: outer_speed.at(0.0).1 };
+    let complete = complete.clone().map(|complete| Box::new(complete.at_speeds(speeds)));
+    let rotor = rotor.clone().at_speeds(speeds);
+    let parts = scene.housing.iter().flat_map(|housing| housing.parts()).filter(|_| rotor.housing.moves());
     let bodies = parts.map(|part| part.name.to_owned()).collect();
     let (speed, outer_speed, sensors) = (speed.clone(), outer_speed.clone(), sensors.clone());
-    let machine = Machine { rotor, bearings, speed, outer_speed, sensors, bodies };
+    let machine = Machine { rotor, bearings, speed, outer_speed, sensors, bodies, terms: *terms, complete };
     if MachineChannel::all(&machine).is_empty() {
         defaults.refuse("/scene/sensors", "required: without ball bearings nothing else is recorded");
         return None;

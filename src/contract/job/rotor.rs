@@ -1,5 +1,6 @@
 //! A rotor job: natural frequencies, critical speeds and responses of a shaft on its supports.
 
+use raceway_core::machine::omission::OmittedTerm;
 use raceway_core::physics::operation::RingRotation;
 use raceway_core::rotor::input::{Request, Rotor};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -124,6 +125,8 @@ pub struct RotorJob {
     pub request: Request,
     /// The requested speeds [r/min].
     pub speeds_rpm: Vec<f64>,
+    /// Terms that `rotor` is without because they are off.
+    pub omitted: Vec<OmittedTerm>,
 }
 
 /// Everything follows from the input.
@@ -141,11 +144,13 @@ impl RotorJob {
         let speeds_rpm = speeds(input, draft.resolved.speed.largest(), defaults);
         let modes = defaults.fill("/modes", &mut input.modes, MODES);
         defaults.check_of_rotor("/modes", f64::from(modes));
-        let (submission, input, ResolvedRotor { rotor, elements, speed, outer_speed, sensors, .. }) = draft.finish()?;
+        let (submission, input, resolved) = draft.finish()?;
+        let omitted = resolved.omitted();
+        let ResolvedRotor { rotor, elements, speed, outer_speed, sensors, .. } = resolved;
         let rotor = rotor.at_speeds(RingRotation { inner: speed, outer: outer_speed }.operating());
         let speeds = speeds_rpm.iter().map(|rpm| RPM.to_si(*rpm)).collect();
         let request = Request { elements, speeds, modes: modes as usize, sensors };
-        Ok(Self { submission, input, rotor, request, speeds_rpm })
+        Ok(Self { submission, input, rotor, request, speeds_rpm, omitted })
     }
 
     /// The job with all defaults, without the fields that concern only the service.

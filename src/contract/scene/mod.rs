@@ -15,6 +15,7 @@ pub mod oil;
 pub mod operation;
 pub mod spindle;
 pub mod surfaces;
+pub mod system_terms;
 pub mod terms;
 
 pub mod housing;

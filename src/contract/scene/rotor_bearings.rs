@@ -178,7 +178,7 @@ impl RotorBearingInput {
         mounted.outer = ring.pose;
         let damping = scene.scene.raceway_damping.resolve();
         let (at, on, seat) = (MM.to_si(self.at_mm), ring.on, ring.seat);
-        Some(ResolvedBearing { rotor: RotorBearing { at, mounted, damping, on, seat }, scene })
+        Some(ResolvedBearing { rotor: RotorBearing { at, mounted, damping, on, seat, has_moments: true }, scene })
     }
 }
 

@@ -14,13 +14,17 @@ use super::shaft::{ElementsName, ShaftInput};
 use super::shaft_loads;
 use super::spindle::SpindleInput;
 use super::supports::{self, SupportInput};
+use super::system_terms::{SystemTermsInput, check_sensors};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list, optional_object};
+use raceway_core::machine::omission::{OmittedTerm, SystemTerms};
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::operation::SpeedProfile;
 use raceway_core::rotor::input::{Elements, Rotor};
+use raceway_core::rotor::omission::SystemTerm;
 use raceway_core::rotor::sensor::Sensor;
+use raceway_core::simulation::model::terms::Justification;
 
 /// A shaft, or a rigid spindle, on its supports.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -58,6 +62,10 @@ pub struct RotorSceneInput {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_list")]
     #[schema(nullable = false, max_items = 16)]
     pub sensors: Option<Vec<SensorInput>>,
+    /// Terms of the equations of shaft and housing. Default `auto`.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "optional_object")]
+    #[schema(nullable = false)]
+    pub terms: Option<SystemTermsInput>,
     /// Acceleration of gravity along +Y [m/s²]. Default 9.81.
     #[schema(nullable = false, example = 9.81)]
     pub gravity_m_s2: Option<f64>,
@@ -93,7 +101,7 @@ pub struct RotorOperationInput {
 const SHORTEST_SPINDLE_MM: f64 = 1.0;
 const LONGEST_SPINDLE_MM: f64 = 20_000.0;
 /// Fields of the system around a bearing that no analysis takes yet.
-const NOT_YET: [&str; 3] = ["thermal", "fits", "terms"];
+const NOT_YET: [&str; 2] = ["thermal", "fits"];
 /// Fields that each bearing has of its own.
 const OF_BEARINGS: [&str; 3] = ["surfaces", "damping", "lubricant"];
 
@@ -129,14 +137,26 @@ pub fn refuse_unsupported(request: &mut Value, defaults: &mut Defaults) {
 
 /// A scene of a shaft in SI.
 pub struct ResolvedRotor {
-    /// Its speed is the first of `speed`.
+    /// Its speed is the first of `speed`. Terms that are off are not in it.
     pub rotor: Rotor,
+    /// The rotor with them, where some are off.
+    pub complete: Option<Box<Rotor>>,
+    pub terms: SystemTerms,
     pub speed: SpeedProfile,
     pub outer_speed: SpeedProfile,
     pub elements: Elements,
     /// The bearings of the rotor alone, in its order.
     pub scenes: Vec<ResolvedScene>,
     pub sensors: Vec<Sensor>,
+}
+
+impl ResolvedRotor {
+    /// Terms that the rotor is without because they are off.
+    pub fn omitted(&self) -> Vec<OmittedTerm> {
+        let has = |term: &SystemTerm| self.complete.as_ref().is_some_and(|complete| complete.has(*term));
+        let of = |term| OmittedTerm { term, by: Justification::Convention, change_db: None };
+        self.terms.off().filter(has).map(of).collect()
+    }
 }
 
 impl RotorSceneInput {
@@ -205,18 +225,16 @@ impl RotorSceneInput {
         let (bearings, scenes) = bearings.into_iter().map(|bearing| (bearing.rotor, bearing.scene)).unzip();
         let inputs = self.sensors.as_deref().unwrap_or_default();
         let sensors = sensor::resolve((inputs, self.housing.as_ref()), defaults, on);
+        let terms = self.terms.as_mut().map(|terms| terms.resolve(defaults)).unwrap_or_default();
+        check_sensors(&terms, &sensors, defaults);
+        let complete =
+            Rotor { shaft, unbalances, supports, bearings, housing, speed: speed.at(0.0).1, gravity, load, loads };
+        let rotor = terms.off().fold(complete.clone(), Rotor::without);
+        let is_lean = terms.off().next().is_some();
         ResolvedRotor {
-            rotor: Rotor {
-                shaft,
-                unbalances,
-                supports,
-                bearings,
-                housing,
-                speed: speed.at(0.0).1,
-                gravity,
-                load,
-                loads,
-            },
+            rotor,
+            complete: is_lean.then(|| Box::new(complete)),
+            terms,
             speed,
             outer_speed,
             elements,

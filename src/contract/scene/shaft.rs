@@ -159,6 +159,7 @@ impl ShaftInput {
             rotating_share: share,
             is_axially_free: axial == ShaftAxial::Free,
             motion: ShaftMotion::Bends,
+            has_gyroscopic_moments: true,
         };
         (shaft, unbalances)
     }

@@ -15,6 +15,16 @@ pub enum TermChoiceName {
     Off,
 }
 
+impl From<TermChoiceName> for TermChoice {
+    fn from(name: TermChoiceName) -> Self {
+        match name {
+            TermChoiceName::Auto => Self::Auto,
+            TermChoiceName::On => Self::On,
+            TermChoiceName::Off => Self::Off,
+        }
+    }
+}
+
 macro_rules! terms {
     ($($(#[$doc:meta])* $name:ident: $term:ident),* $(,)?) => {
         /// A choice for each term of the equations. Default `auto`.
@@ -77,14 +87,7 @@ impl TermsInput {
             if needed && choice == TermChoiceName::Off {
                 defaults.refuse(pointer, "cannot be switched off separately; a reduced model level omits it (/solver/rung, such as `radially_condensed`)");
             }
-            terms.set(
-                term,
-                match choice {
-                    TermChoiceName::Auto => TermChoice::Auto,
-                    TermChoiceName::On => TermChoice::On,
-                    TermChoiceName::Off => TermChoice::Off,
-                },
-            );
+            terms.set(term, choice.into());
         }
         terms
     }

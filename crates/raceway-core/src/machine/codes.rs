@@ -2,6 +2,7 @@
 
 use super::channel::MachineChannel;
 use super::input::Loss;
+use crate::rotor::omission::SystemTerm;
 use crate::simulation::error::codes::Warning;
 use crate::simulation::input::model_level::ModelLevel;
 
@@ -29,17 +30,23 @@ pub enum MachineWarning {
     StepRejected(RejectedStep),
     /// The selected model level deviates from `full` by more than is allowed.
     ModelNotConfirmed(LevelDeviation),
-    /// A reduced level was tried, and a richer one took its place.
+    /// A leaner model was tried, and a richer one took its place.
     LevelRejected(LevelDeviation),
-    /// A reduced level gave no result, and a richer one took its place.
-    LevelNotEligible { level: ModelLevel, reason: String },
+    /// A leaner model gave no result, and a richer one took its place.
+    LevelNotEligible { model: LeanModel, reason: String },
+}
+
+/// A model that leaves something out: its level, and terms of the system around the bearings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeanModel {
+    pub level: ModelLevel,
+    pub without: Vec<SystemTerm>,
 }
 
 /// Largest deviation of a level from `full` [dB], over the time that was repeated [s].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct LevelDeviation {
-    /// The reduced level.
-    pub level: ModelLevel,
+    pub model: LeanModel,
     pub channel: MachineChannel,
     pub error_db: f64,
     pub allowed_db: f64,

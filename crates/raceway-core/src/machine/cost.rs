@@ -3,6 +3,7 @@
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing, MachineError};
 use super::level::{LevelChoice, ReducedLevel};
+use super::omission::{OmittedTerm, omitted};
 use super::run::{first_step, settling_time, times};
 use super::settings::MachineSettings;
 use crate::simulation::input::model_level::ModelLevel;
@@ -18,7 +19,7 @@ const REDUCED: f64 = 0.3;
 const TWICE_HALVED: f64 = 7.0;
 
 /// A run before it begins.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MachinePlan {
     /// Coordinates of shaft and housing.
     pub coordinates: usize,
@@ -28,6 +29,8 @@ pub struct MachinePlan {
     pub settle: f64,
     /// First step that is tried [s].
     pub step: f64,
+    /// Terms of the system around the bearings that are off, and those that a lean model leaves out.
+    pub omitted: Vec<OmittedTerm>,
     /// Likely wall time on one core, with the verification, and that with twice halved steps and all levels [s].
     pub wall_time: (f64, f64),
 }
@@ -77,5 +80,6 @@ pub fn plan(
             }
         }
     };
-    Ok(MachinePlan { coordinates, states: full.states(), settle, step, wall_time: (likely, all) })
+    let omitted = omitted(machine, settings, level.tolerance_db(), stop)?;
+    Ok(MachinePlan { coordinates, states: full.states(), settle, step, omitted, wall_time: (likely, all) })
 }

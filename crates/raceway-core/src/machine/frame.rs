@@ -121,12 +121,13 @@ impl Frame {
     /// `stop` is polled for each mesh; true ends the analysis.
     pub fn of(machine: &Machine, range: f64, stop: &dyn Fn() -> bool) -> Result<Self, MachineError> {
         let rotor = &machine.rotor;
-        let (mesh, count) = mesh(machine, range * std::f64::consts::TAU * BAND, stop)?;
+        let (mesh, count) = mesh(rotor, &machine.sensors, range, stop)?;
         let system = System::of(rotor, mesh, count, &[rotor.speed])?;
         let coordinates = &system.coordinates;
         let of_shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
         let (outer_ports, outer) = outer_rings(rotor, &system);
-        let ports: Vec<_> = rotor.bearings.iter().map(|bearing| of_shaft(bearing.at)).chain(outer_ports).collect();
+        let inner_ports = rotor.bearings.iter().map(|bearing| bearing.seen(of_shaft(bearing.at)));
+        let ports: Vec<_> = inner_ports.chain(outer_ports).collect();
         let (varying, loaded): (Vec<_>, Vec<_>) = varying_loads(rotor, machine.speed.largest()).into_iter().unzip();
         let mut inputs: Vec<DMatrix<f64>> = ports.iter().map(DMatrix::transpose).collect();
         inputs.extend(by_unbalance(rotor, &system));
@@ -234,7 +235,7 @@ fn outer_rings(rotor: &Rotor, system: &System) -> (Vec<DMatrix<f64>>, Vec<Option
         let rest = &system.operating.first()?.coordinates;
         let at = bearing.outer_ring();
         let slipped = housing.slipped(index, &housing.outer_ring(index, at), rest);
-        let rows = housing.outer_ring(index, at + slipped);
+        let rows = bearing.seen(housing.outer_ring(index, at + slipped));
         let displacements = &rows * rest;
         ports.push(rows);
         let port = rotor.bearings.len() + ports.len() - 1;
@@ -265,13 +266,19 @@ fn varying_loads(rotor: &Rotor, largest_speed: f64) -> Vec<(VaryingLoads, f64)> 
     rising(rotor.loads.iter().map(|load| load.at).collect()).into_iter().filter_map(of_place).collect()
 }
 
-/// A mesh on which the free modes up to an angular frequency [rad/s] have converged, and their number in each plane.
-fn mesh(machine: &Machine, highest: f64, stop: &dyn Fn() -> bool) -> Result<(Mesh, usize), MachineError> {
-    let mut longest = machine.rotor.shaft.length() / FIRST_ELEMENTS;
+/// A mesh on which the free modes up to `range` times the band of levels have converged, and their number in each plane.
+pub(super) fn mesh(
+    rotor: &Rotor,
+    sensors: &[Sensor],
+    range: f64,
+    stop: &dyn Fn() -> bool,
+) -> Result<(Mesh, usize), MachineError> {
+    let highest = range * std::f64::consts::TAU * BAND;
+    let mut longest = rotor.shaft.length() / FIRST_ELEMENTS;
     let mut coarse: Option<Vec<f64>> = None;
     loop {
-        let mesh = Mesh::new(&machine.rotor.shaft, &stations(machine), longest);
-        let (frequencies, count) = free_modes(&machine.rotor, &mesh, highest, stop)?;
+        let mesh = Mesh::new(&rotor.shaft, &stations(rotor, sensors), longest);
+        let (frequencies, count) = free_modes(rotor, &mesh, highest, stop)?;
         let is_close = |coarse: &Vec<f64>| {
             let kept = frequencies.iter().zip(coarse).take_while(|(fine, _)| **fine <= highest);
             kept.clone().count() > 0 && kept.clone().all(|(fine, coarse)| (fine - coarse).abs() <= CONVERGED * fine)
@@ -323,7 +330,7 @@ fn sensor_rows(sensor: &Sensor, system: &System) -> DMatrix<f64> {
 }
 
 /// Places of the shaft at which something acts or is measured, rising [m].
-fn stations(machine: &Machine) -> Vec<f64> {
-    let measured = machine.sensors.iter().filter(|sensor| sensor.concerns_shaft()).map(|sensor| sensor.at);
-    rising(machine.rotor.places().into_iter().chain(measured).collect())
+fn stations(rotor: &Rotor, sensors: &[Sensor]) -> Vec<f64> {
+    let measured = sensors.iter().filter(|sensor| sensor.concerns_shaft()).map(|sensor| sensor.at);
+    rising(rotor.places().into_iter().chain(measured).collect())
 }

@@ -3,9 +3,11 @@
 use std::f64::consts::TAU;
 
 use super::inapplicable::MachineInapplicable;
+use super::omission::SystemTerms;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::rotor::input::{Rotor, RotorError};
+use crate::rotor::omission::SystemTerm;
 pub use crate::rotor::sensor::{Part, Sensor};
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
@@ -24,6 +26,22 @@ pub struct Machine {
     pub sensors: Vec<Sensor>,
     /// Names of the parts of the rotor's housing, in their order.
     pub bodies: Vec<String>,
+    pub terms: SystemTerms,
+    /// The rotor with all its terms, where `rotor` is without those that are off.
+    pub complete: Option<Box<Rotor>>,
+}
+
+impl Machine {
+    /// The machine without some terms of the system around its bearings.
+    pub(super) fn without(mut self, terms: impl Iterator<Item = SystemTerm>) -> Self {
+        for term in terms {
+            self.rotor = self.rotor.without(term);
+            if term == SystemTerm::Housing {
+                self.bodies.clear();
+            }
+        }
+        self
+    }
 }
 
 /// What moves in a bearing.

@@ -32,6 +32,13 @@ pub enum LevelChoice {
     Within(f64),
 }
 
+impl LevelChoice {
+    /// Largest accepted error of a level by the model [dB], where a lean one is sought.
+    pub fn tolerance_db(self) -> Option<f64> {
+        if let Self::Within(tolerance_db) = self { Some(tolerance_db) } else { None }
+    }
+}
+
 /// Level that leaves out axial motion of the bearings and couples them to the shaft by radial ports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReducedLevel {

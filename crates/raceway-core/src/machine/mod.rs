@@ -8,8 +8,10 @@ pub mod codes;
 pub mod cost;
 pub mod inapplicable;
 pub mod input;
+pub mod omission;
 pub mod result;
 pub mod run;
+pub mod simulate;
 
 pub mod mode_precision;
 pub mod settings;

@@ -3,9 +3,10 @@
 use std::f64::consts::TAU;
 
 use super::channel::MachineChannel;
-use super::codes::{LevelDeviation, MachineWarning};
+use super::codes::{LeanModel, LevelDeviation, MachineWarning};
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
+use super::omission::OmittedTerm;
 use super::recording::{BearingRecord, MachineRecording};
 use super::settings::MachineSettings;
 use crate::numerics::spectrum::{EnvelopeAnalysis, Spectrum, amplitude_and_envelope};
@@ -38,9 +39,9 @@ pub struct MachineResult {
     /// Number of coordinates of the shaft, and of states of the whole.
     pub coordinates: usize,
     pub states: usize,
-    /// Model level of the bearings, and the terms that it omits.
+    /// Model level of the bearings, and the terms of the system around them that are left out.
     pub level: ModelLevel,
-    pub left_out: Vec<LeftOut>,
+    pub omitted: Vec<OmittedTerm>,
     pub settle: f64,
     pub duration: f64,
     pub accuracy: Accuracy,
@@ -152,7 +153,7 @@ impl MachineResult {
             coordinates: dynamics.frame.len(),
             states: dynamics.states(),
             level: dynamics.level(),
-            left_out: left_out(dynamics.level()),
+            omitted: Vec::new(),
             settle: recording.start,
             duration: recording.signals[0].1.len() as f64 / RATE,
             growth_rate: dynamics.free_motion.as_ref().map(|motion| motion.growth_rate),
@@ -164,16 +165,25 @@ impl MachineResult {
 }
 
 impl MachineResult {
+    /// All terms that are left out. The bound of those of the level together is the deviation from `full` that the run shows.
+    pub fn left_out(&self) -> Vec<LeftOut> {
+        let of_system: Vec<LeftOut> = self.omitted.iter().map(LeftOut::from).collect();
+        // A level that is linear in the tilt is not, where there is none.
+        let is_new = |of_level: &LeftOut| of_system.iter().all(|omitted| omitted.term != of_level.term);
+        let of_level = left_out(self.level).into_iter().filter(is_new).collect();
+        [of_level, of_system].concat()
+    }
+
     /// The largest deviation from `full`, if it is larger than a tolerance [dB].
     pub(super) fn beyond(&self, allowed_db: f64) -> Option<LevelDeviation> {
-        let model = self.accuracy.model.as_ref()?;
-        let (channel, error_db) = model.largest()?;
-        let deviation = LevelDeviation { level: self.level, channel, error_db, allowed_db, window: model.window };
-        (error_db > allowed_db).then_some(deviation)
+        let errors = self.accuracy.model.as_ref()?;
+        let (window, (channel, error_db)) = (errors.window, errors.largest()?);
+        let model = LeanModel { level: self.level, without: self.omitted.iter().map(|omitted| omitted.term).collect() };
+        (error_db > allowed_db).then_some(LevelDeviation { model, channel, error_db, allowed_db, window })
     }
 }
 
-/// Terms that a reduced level omits; the bound of all together is the deviation from `full` that a run shows.
+/// Terms that a level omits.
 fn left_out(level: ModelLevel) -> Vec<LeftOut> {
     if level == ModelLevel::Full {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! The run of a machine: start, settling, record, and a repetition in half steps that shows the error.
+//! A run in time: settling, record, and a repetition in half steps that shows the error.
 
 use std::f64::consts::TAU;
 
@@ -7,15 +7,11 @@ use super::bearing_stepper::BearingStepper;
 use super::channel::MachineChannel;
 use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
-use super::growth::check_growth;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
-use super::level::{LevelChoice, ReducedLevel, missing_signal};
 use super::recording::{MachineRecording, Recorder};
-use super::result::{Accuracy, MachineResult, ModelErrors};
 use super::settings::MachineSettings;
-use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength, stiffness_of_step};
-use super::warnings::{MOST_STIFFNESS, warnings};
+use super::warnings::MOST_STIFFNESS;
 use crate::numerics::statistics::rms;
 use crate::physics::operation::SpeedProfile;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
@@ -31,44 +27,10 @@ const STEPS_PER_LOOK: u64 = 64;
 const ERROR_OVER_DEVIATION: f64 = 4.0 / 3.0;
 /// Time that is repeated in half steps [s], unless a period is longer, and largest error of a level that needs no shorter step [dB].
 const REPEATED: f64 = 0.1;
-const ALLOWED_DB: f64 = 0.1;
+pub(super) const ALLOWED_DB: f64 = 0.1;
 /// Share of the rest of the progress that steps of one length take, because shorter ones may follow; and that of their first run in it.
 const STEP_SHARE: f64 = 0.8;
 const RUN_SHARE: f64 = 0.6;
-/// Share of the progress that a reduced level takes beside its verification on `full`, and both where `full` may follow.
-const LEVEL_SHARE: f64 = 0.3;
-const TRIAL_SHARE: f64 = 0.4;
-
-/// Simulates a machine on the level `full`. The same arguments give the same bits.
-pub fn simulate(
-    machine: &Machine,
-    settings: &MachineSettings,
-    control: &Control<'_>,
-) -> Result<MachineResult, MachineError> {
-    simulate_on(LevelChoice::Full, machine, settings, control)
-}
-
-/// Simulates a machine on a level. The same arguments give the same bits.
-pub fn simulate_on(
-    level: LevelChoice,
-    machine: &Machine,
-    settings: &MachineSettings,
-    control: &Control<'_>,
-) -> Result<MachineResult, MachineError> {
-    let dynamics = MachineDynamics::new(machine, settings.range, control.stop)?;
-    if (control.stop)() {
-        return Err(MachineError::Stopped(0.0));
-    }
-    let settle = settings.settle.unwrap_or_else(|| settling_time(&dynamics));
-    check_growth(machine, &dynamics, settle, settings.duration)?;
-    let start = start_state(machine, &dynamics)?;
-    let full = Run { machine, dynamics: &dynamics, start: &start, settle, series: &settings.series };
-    match level {
-        LevelChoice::Full => full.result(settings, control),
-        LevelChoice::Reduced(level) => full.reduced(level, settings, &mut None, control),
-        LevelChoice::Within(tolerance_db) => full.leanest(settings, tolerance_db, control),
-    }
-}
 
 /// A run in steps that half steps confirm.
 pub(super) struct Confirmed {
@@ -124,87 +86,8 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The result of this run.
-    fn result(&self, settings: &MachineSettings, control: &Control<'_>) -> Result<MachineResult, MachineError> {
-        let confirmed = self.confirmed(settings.step, times(self.machine, settings), control)?;
-        Ok(self.evaluated(confirmed, None, settings))
-    }
-
-    /// The result of this run with its bearings on a level, and the deviations from this one. `of_full`: the recording of this run over the
-    /// compared time, made by the first call.
-    fn reduced(
-        &self,
-        level: ReducedLevel,
-        settings: &MachineSettings,
-        of_full: &mut Option<MachineRecording>,
-        control: &Control<'_>,
-    ) -> Result<MachineResult, MachineError> {
-        if let Some(reason) = missing_signal(self.series, level) {
-            return Err(MachineError::NotApplicable { level: level.level(), reason });
-        }
-        let dynamics = self.dynamics.clone().reduced_to(level, self.machine)?;
-        let run = Run { dynamics: &dynamics, ..*self };
-        let mut confirmed = control
-            .part((0.0, LEVEL_SHARE), |control| run.confirmed(settings.step, times(self.machine, settings), control))?;
-        let of_full = match of_full {
-            Some(known) => known,
-            None => of_full.insert(
-                control.part((LEVEL_SHARE, 1.0), |control| self.compared(settings, control, &mut confirmed.work))?,
-            ),
-        };
-        let [_, window] = times(self.machine, settings);
-        let model = ModelErrors { window, levels: level_deviations(&confirmed.recording, of_full) };
-        Ok(run.evaluated(confirmed, Some(model), settings))
-    }
-
-    fn evaluated(&self, confirmed: Confirmed, model: Option<ModelErrors>, settings: &MachineSettings) -> MachineResult {
-        let Confirmed { recording, errors, step, last, rejections, work, .. } = confirmed;
-        let [_, window] = times(self.machine, settings);
-        let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations, model };
-        let mut result = MachineResult::of(self.machine, self.dynamics, recording, settings, accuracy);
-        result.warnings = warnings(self.machine, self.dynamics, &result, (ALLOWED_DB, last));
-        result.warnings.extend(rejections);
-        result
-    }
-
-    /// The result on the leanest level where no level deviates by more than a tolerance [dB], else of this run.
-    fn leanest(
-        &self,
-        settings: &MachineSettings,
-        tolerance_db: f64,
-        control: &Control<'_>,
-    ) -> Result<MachineResult, MachineError> {
-        let (mut reasons, mut of_full) = (Vec::new(), None);
-        let share = TRIAL_SHARE / ReducedLevel::TRIED.len() as f64;
-        for (tried, level) in ReducedLevel::TRIED.into_iter().enumerate() {
-            let part = (tried as f64 * share, (tried + 1) as f64 * share);
-            let trial = control.part(part, |control| self.reduced(level, settings, &mut of_full, control));
-            reasons.push(match trial {
-                Err(stopped @ MachineError::Stopped(_)) => return Err(stopped),
-                Err(error) => {
-                    let reason = match error {
-                        MachineError::NotApplicable { reason, .. } => reason.to_string(),
-                        error => error.to_string(),
-                    };
-                    MachineWarning::LevelNotEligible { level: level.level(), reason }
-                }
-                Ok(mut result) => match result.beyond(tolerance_db) {
-                    None => {
-                        result.warnings.retain(|warning| !matches!(warning, MachineWarning::ModelNotConfirmed(_)));
-                        result.warnings.append(&mut reasons);
-                        return Ok(result);
-                    }
-                    Some(deviation) => MachineWarning::LevelRejected(deviation),
-                },
-            });
-        }
-        let mut result = control.part((TRIAL_SHARE, 1.0), |control| self.result(settings, control))?;
-        result.warnings.append(&mut reasons);
-        Ok(result)
-    }
-
     /// The recording of this run over the time that is compared.
-    fn compared(
+    pub(super) fn compared(
         &self,
         settings: &MachineSettings,
         control: &Control<'_>,
@@ -381,7 +264,10 @@ fn level_errors(recording: &MachineRecording, again: &MachineRecording) -> Vec<(
 }
 
 /// Deviation of the level of each acceleration over the first part of the time [dB]; `None` where both are silent or faint.
-fn level_deviations(recording: &MachineRecording, again: &MachineRecording) -> Vec<(MachineChannel, Option<f64>)> {
+pub(super) fn level_deviations(
+    recording: &MachineRecording,
+    again: &MachineRecording,
+) -> Vec<(MachineChannel, Option<f64>)> {
     let accelerations = || recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
     let strongest = accelerations().map(|(_, values)| rms(values)).fold(0.0, f64::max);
     let of = |(channel, values): &(MachineChannel, Vec<f64>)| {

@@ -9,8 +9,9 @@ use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
 use super::frame::Frame;
 use super::input::{Machine, MachineBearing, Part, Sensor};
-use super::run::simulate;
+use super::omission::SystemTerms;
 use super::settings::{MachineSettings, RANGE};
+use super::simulate::simulate;
 use super::start::start_state;
 use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::ode::Method;
@@ -46,6 +47,7 @@ mod housing;
 mod levels;
 mod loads;
 mod mode_precision;
+mod omissions;
 mod power;
 mod warnings;
 
@@ -65,6 +67,7 @@ fn motor_spindle() -> Machine {
         damping: scene.raceway_damping.resolve(),
         on: None,
         seat: Seat::Rigid,
+        has_moments: true,
     });
     Machine {
         rotor: Rotor {
@@ -76,6 +79,7 @@ fn motor_spindle() -> Machine {
                 rotating_share: 0.0,
                 is_axially_free: true,
                 motion: ShaftMotion::Bends,
+                has_gyroscopic_moments: true,
             },
             unbalances: vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.3 }],
             supports: Vec::new(),
@@ -93,6 +97,8 @@ fn motor_spindle() -> Machine {
         outer_speed: SpeedProfile::at_rest(),
         sensors: Vec::new(),
         bodies: Vec::new(),
+        terms: SystemTerms::default(),
+        complete: None,
     }
 }
 

@@ -23,3 +23,4 @@ pub mod rounding;
 pub(crate) mod special;
 pub mod spectrum;
 pub mod statistics;
+pub(crate) mod transfer;

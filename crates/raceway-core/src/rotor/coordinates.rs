@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::housing::HousingCoordinates;
 use super::input::{PlacedLoad, Rotor, RotorError};
 use super::sensor::{Part, Sensor};
+use crate::physics::frame::disc::Disc;
 use crate::physics::frame::mesh::{Matrices, Mesh};
 use crate::physics::frame::modes::FreeModes;
 use crate::physics::frame::shaft::ShaftMotion;
@@ -37,14 +38,18 @@ impl Coordinates {
         let bending = match rotor.shaft.motion {
             ShaftMotion::Bends => modes(&mesh.bending, count, |modes| {
                 // Gyroscopic moments of the lower half of the modes, rotation included.
-                let turning = modes.shapes[1..].iter().take(count / 2);
+                let turning = if rotor.shaft.has_gyroscopic_moments { count / 2 } else { 0 };
+                let turning = modes.shapes[1..].iter().take(turning);
                 across.extend(turning.map(|shape| mesh.polar.times(shape)));
                 across
             })?,
             ShaftMotion::Rigid => FreeModes::of(&mesh.bending, 0).ok_or(RotorError::Singular)?,
             ShaftMotion::Upright => FreeModes::of(&mesh.bending, 0).ok_or(RotorError::Singular)?.of_translation(),
         };
-        let polar = bending.projected(&mesh.polar);
+        let mut polar = bending.projected(&mesh.polar);
+        if !rotor.shaft.has_gyroscopic_moments {
+            polar.fill(0.0);
+        }
         let of_shaft = axial.as_ref().map_or(0, FreeModes::len) + 2 * bending.len();
         Ok(Self { mesh, axial, bending, is_rigid, polar, housing: HousingCoordinates::of(rotor, of_shaft) })
     }
@@ -205,13 +210,17 @@ impl Loads {
                 loads.bending.push(unit(2 * count, 2 * node + 1));
             }
         }
-        for node in rotor.bearings.iter().map(|bearing| mesh.node(bearing.at)) {
+        for bearing in &rotor.bearings {
+            let node = mesh.node(bearing.at);
             loads.axial.push(unit(count, node));
             loads.bending.push(unit(2 * count, 2 * node));
-            loads.bending.push(unit(2 * count, 2 * node + 1));
+            if bearing.has_moments {
+                loads.bending.push(unit(2 * count, 2 * node + 1));
+            }
         }
         // A disc at high speed holds its plane.
-        let turning = rotor.shaft.discs.iter().filter(|disc| disc.axial_inertia > 0.0);
+        let is_turning = |disc: &&Disc| rotor.shaft.has_gyroscopic_moments && disc.axial_inertia > 0.0;
+        let turning = rotor.shaft.discs.iter().filter(is_turning);
         loads.bending.extend(turning.map(|disc| unit(2 * count, 2 * mesh.node(disc.at) + 1)));
         loads.bending.extend(rotor.unbalances.iter().map(|plane| unit(2 * count, 2 * mesh.node(plane.at))));
         let centre = rotor.shaft.mass_centre();

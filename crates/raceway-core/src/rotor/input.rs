@@ -1,5 +1,7 @@
 //! Input of a rotor analysis.
 
+use nalgebra::DMatrix;
+
 use super::sensor::Sensor;
 use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::disc::UnbalancePlane;
@@ -26,6 +28,8 @@ pub struct RotorBearing {
     /// Number of the housing's part that holds its outer ring; `None`: the ground.
     pub on: Option<usize>,
     pub seat: Seat,
+    /// Whether its balls see a tilt of its rings and act against it.
+    pub has_moments: bool,
 }
 
 /// Seat of an outer ring in its body or in the ground.
@@ -44,6 +48,14 @@ impl RotorBearing {
     /// Place of its outer ring along the shaft [m].
     pub fn outer_ring(&self) -> f64 {
         self.at + self.mounted.outer[0]
+    }
+
+    /// What its balls see of displacements x, y, z, β_y, β_z of a ring, a row each.
+    pub fn seen(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
+        if !self.has_moments {
+            rows.rows_mut(3, 2).fill(0.0);
+        }
+        rows
     }
 
     /// Whether its outer ring moves.

@@ -5,6 +5,7 @@
 //! speed. Rigid motions of housing bodies and of outer rings stand beside them. Springs act on all through the displacements of their places.
 
 pub mod input;
+pub mod omission;
 pub mod result;
 pub mod sensor;
 
@@ -20,6 +21,7 @@ pub(crate) mod system;
 mod campbell;
 mod critical;
 pub(crate) mod deflection;
+pub(crate) mod level_change;
 mod potential;
 pub(crate) mod response;
 mod shape;

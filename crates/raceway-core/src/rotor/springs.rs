@@ -43,7 +43,7 @@ pub fn between_rings(
 ) -> DMatrix<f64> {
     let bearing = &rotor.bearings[index];
     let outer = bearing.has_moving_outer_ring().then(|| housing.outer_ring(index, bearing.at + slipped));
-    relative(shaft(bearing.at), outer)
+    bearing.seen(relative(shaft(bearing.at), outer))
 }
 
 fn relative(rows: DMatrix<f64>, other: Option<DMatrix<f64>>) -> DMatrix<f64> {

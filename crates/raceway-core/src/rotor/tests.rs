@@ -36,6 +36,7 @@ fn shaft(sections: Vec<Section>, discs: Vec<Disc>) -> Shaft {
         rotating_share: 0.0,
         is_axially_free: false,
         motion: ShaftMotion::Bends,
+        has_gyroscopic_moments: true,
     }
 }
 

@@ -1,6 +1,8 @@
 //! Messages of a machine.
 
-use raceway_core::machine::codes::{LastStep, LaterChange, LevelDeviation, MachineWarning, RejectedStep, StepCause};
+use raceway_core::machine::codes::{
+    LastStep, LaterChange, LeanModel, LevelDeviation, MachineWarning, RejectedStep, StepCause,
+};
 use raceway_core::machine::input::Machine;
 use raceway_core::simulation::error::codes::Warning;
 use serde_json::{Value, json};
@@ -109,7 +111,7 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             let allowed_db = significant(deviation.allowed_db, 6);
             let text = format!(
                 "The selected model level {} is not confirmed within {allowed_db} dB: {}. Leave out solver.rung.",
-                deviation.level.name(),
+                name(&deviation.model),
                 of_deviation(machine, deviation)
             );
             (MessageCode::ModelNotConfirmed, text, level_values(machine, deviation))
@@ -118,16 +120,16 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             severity = Severity::Info;
             let text = format!(
                 "Rejected: {}. {}, more than {} dB.",
-                deviation.level.name(),
+                name(&deviation.model),
                 capital(&of_deviation(machine, deviation)),
                 significant(deviation.allowed_db, 6)
             );
             (MessageCode::CandidateRejected, text, level_values(machine, deviation))
         }
-        MachineWarning::LevelNotEligible { level, reason } => {
+        MachineWarning::LevelNotEligible { model, reason } => {
             severity = Severity::Info;
-            let text = format!("Model level {} gave no result: {reason}.", level.name());
-            (MessageCode::ModelNotEligible, text, vec![("rungs", json!([level.name()]))])
+            let text = format!("Model level {} gave no result: {reason}.", name(model));
+            (MessageCode::ModelNotEligible, text, vec![("rungs", json!([model.level.name()]))])
         }
         MachineWarning::StepRejected(rejected) => {
             severity = Severity::Info;
@@ -135,6 +137,13 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
         }
     };
     message(code, severity, text, values)
+}
+
+/// A model by its level, and by what it leaves out around the bearings: `full without tilt`.
+fn name(model: &LeanModel) -> String {
+    let terms: Vec<&str> = model.without.iter().map(|term| term.name()).collect();
+    let level = model.level.name();
+    if terms.is_empty() { level.to_owned() } else { format!("{level} without {}", terms.join(" and ")) }
 }
 
 fn of_deviation(machine: &Machine, LevelDeviation { channel, error_db, window, .. }: &LevelDeviation) -> String {
@@ -148,7 +157,7 @@ fn of_deviation(machine: &Machine, LevelDeviation { channel, error_db, window, .
 
 fn level_values(machine: &Machine, deviation: &LevelDeviation) -> Vec<(&'static str, Value)> {
     vec![
-        ("rung", json!(deviation.level.name())),
+        ("rung", json!(deviation.model.level.name())),
         ("channel", json!(deviation.channel.named(machine).to_string())),
         ("level_error_db", json!(significant(deviation.error_db, 3))),
         ("allowed_db", json!(significant(deviation.allowed_db, 6))),

@@ -5,7 +5,7 @@ use raceway_core::simulation::model::omission::{Condensation, OmissionReason};
 /// The reason as a clause.
 pub fn omission(reason: OmissionReason) -> String {
     let text = match reason {
-        OmissionReason::SwitchedOff(term) => return format!("switched off by the request (terms.{})", term.name()),
+        OmissionReason::SwitchedOff(term) => return format!("switched off by the request (terms.{term})"),
         OmissionReason::Condensed(level, condensation) => {
             return format!("rung {}: {}", level.name(), condensed(condensation));
         }
@@ -32,6 +32,9 @@ pub fn omission(reason: OmissionReason) -> String {
         OmissionReason::WedgeNeedsViscosity => "a wedge needs a viscosity above 0",
         OmissionReason::FilmNeedsViscosity => "a film needs a viscosity above 0",
         OmissionReason::NoOutput => "no output asks for it",
+        OmissionReason::LevelsHardlyChange => {
+            "by the linear analysis no level changes by more than the bound in any third of an octave, under forces without lines"
+        }
     };
     text.to_owned()
 }

@@ -7,7 +7,7 @@ use crate::physics::frame::support::{PORT, diagonal};
 use crate::physics::statics::shaft::Spring;
 
 /// Both bearings in a body off their middle.
-fn in_body(mut machine: Machine, stiffness: [f64; 5], damping: f64) -> Machine {
+pub(super) fn in_body(mut machine: Machine, stiffness: [f64; 5], damping: f64) -> Machine {
     machine.rotor.bearings.iter_mut().for_each(|bearing| bearing.on = Some(0));
     machine.rotor.housing = Housing {
         bodies: vec![Body { at: 0.12, mass: 6.0, inertia: [0.05, 0.03] }],
@@ -34,9 +34,9 @@ fn in_seats(mut machine: Machine) -> Machine {
     machine
 }
 
-const MOUNTS: [f64; 5] = [6e7, 3e7, 4e7, 2e5, 3e5];
+pub(super) const MOUNTS: [f64; 5] = [6e7, 3e7, 4e7, 2e5, 3e5];
 
-fn is_kept(machine: &Machine) {
+pub(super) fn is_kept(machine: &Machine) {
     let (dynamics, start) = started(machine);
     let state = disturbed(&start, &dynamics);
     let (_, velocity) = dynamics.coordinates(&state);

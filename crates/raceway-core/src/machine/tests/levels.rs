@@ -5,7 +5,8 @@ use crate::machine::codes::MachineWarning;
 use crate::machine::inapplicable::{BearingInapplicable, MachineInapplicable};
 use crate::machine::level::{LevelChoice, ReducedLevel, inapplicability, missing_signal};
 use crate::machine::recording::MachineRecording;
-use crate::machine::run::{Run, Work, simulate_on};
+use crate::machine::run::{Run, Work};
+use crate::machine::simulate::simulate_on;
 use crate::numerics::ode::Statistics;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::scene::Scene;
@@ -30,7 +31,7 @@ fn on_one_bearing() -> Machine {
 }
 
 /// Two bearings without preload under a radial load, axially held.
-fn on_two_bearings() -> Machine {
+pub(super) fn on_two_bearings() -> Machine {
     let mut machine = motor_spindle();
     machine.rotor.shaft.is_axially_free = false;
     machine.rotor.load = [0.0, 500.0, 0.0];
@@ -142,7 +143,7 @@ fn a_level_is_verified_against_full() {
     let condensed = on(LevelChoice::Reduced(ReducedLevel::RadiallyCondensed));
     let deviation = condensed.accuracy.model.as_ref().unwrap().largest().unwrap().1;
     assert!(condensed.level == ModelLevel::RadiallyCondensed && deviation > 1e-3, "{deviation}");
-    assert!(condensed.left_out.iter().any(|left_out| left_out.term == "tilt"));
+    assert!(condensed.left_out().iter().any(|left_out| left_out.term == "tilt"));
     let only = on(LevelChoice::Reduced(ReducedLevel::SpindleOnly)).accuracy.model.unwrap().largest().unwrap().1;
     assert!(only > 2.0 * deviation, "{only} {deviation}");
     let within = on(LevelChoice::Within(1.5 * deviation));
@@ -150,7 +151,7 @@ fn a_level_is_verified_against_full() {
     assert!(within.warnings.iter().any(|warning| matches!(warning, MachineWarning::LevelRejected(_))));
     assert_eq!(on(LevelChoice::Within(2.0 * only)).level, ModelLevel::SpindleOnly);
     let rejected = on(LevelChoice::Within(0.5 * deviation));
-    assert!(rejected.level == ModelLevel::Full && rejected.left_out.is_empty() && rejected.accuracy.model.is_none());
+    assert!(rejected.level == ModelLevel::Full && rejected.left_out().is_empty() && rejected.accuracy.model.is_none());
     let names_it = |warning: &MachineWarning| matches!(warning, MachineWarning::LevelRejected(_));
     assert!(rejected.warnings.iter().any(names_it), "{:?}", rejected.warnings);
 }

@@ -38,6 +38,8 @@ pub struct Shaft {
     /// True where the shaft may move and vibrate along X.
     pub is_axially_free: bool,
     pub motion: ShaftMotion,
+    /// Whether the inertia of its turning parts acts against a tilt.
+    pub has_gyroscopic_moments: bool,
 }
 
 /// Mass of a rigid spindle.
@@ -77,6 +79,7 @@ impl Shaft {
             rotating_share: 0.0,
             is_axially_free,
             motion,
+            has_gyroscopic_moments: true,
         }
     }
 

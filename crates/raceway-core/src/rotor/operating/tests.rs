@@ -40,6 +40,7 @@ fn mounted(bearing: &Bearing, at: f64, faces: Faces) -> RotorBearing {
         damping: DampingFactor { chi: 1.0, viscous: 0.0 },
         on: None,
         seat: Seat::Rigid,
+        has_moments: true,
     }
 }
 
@@ -54,6 +55,7 @@ fn bar(length: f64, diameter: f64, bearings: Vec<RotorBearing>) -> Rotor {
             rotating_share: 0.0,
             is_axially_free: false,
             motion: ShaftMotion::Bends,
+            has_gyroscopic_moments: true,
         },
         unbalances: Vec::new(),
         loads: Vec::new(),

@@ -21,7 +21,7 @@ fn on_ball_bearings(apart: f64) -> Rotor {
         let mut mounted = Mounted::new(RingBearing::new(&scene.bearing), 0.0, faces);
         mounted.outer[0] = if faces == Faces::PlusX { -apart } else { apart };
         let damping = DampingFactor { chi: 1.0, viscous: 0.0 };
-        RotorBearing { at, mounted, damping, on: None, seat: Seat::Rigid }
+        RotorBearing { at, mounted, damping, on: None, seat: Seat::Rigid, has_moments: true }
     };
     let disc = Disc { at: 0.13, mass: 1.2, transverse_inertia: 8e-4, axial_inertia: 1.5e-3 };
     let mut rotor = rotor(shaft(sections(&[(1, 0.3, 0.025, 0.0)]), vec![disc]), Vec::new());

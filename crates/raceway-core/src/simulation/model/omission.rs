@@ -1,13 +1,12 @@
 //! Reasons why a term is not in the equations.
 
 use crate::simulation::input::model_level::ModelLevel;
-use crate::simulation::input::scene::Term;
 
 /// Reason why a term is not in the equations of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OmissionReason {
-    /// The request switches it off.
-    SwitchedOff(Term),
+    /// The request switches a term of this name off.
+    SwitchedOff(&'static str),
     /// A homogeneous ball looks the same from every side.
     HomogeneousBalls,
     /// Balls in the plane do not turn about their contact normals.
@@ -40,6 +39,8 @@ pub enum OmissionReason {
     FilmNeedsViscosity,
     /// No output shows it.
     NoOutput,
+    /// The linear analysis bounds the change of the levels.
+    LevelsHardlyChange,
     /// A reduced model condenses it.
     Condensed(ModelLevel, Condensation),
 }

@@ -172,7 +172,7 @@ impl Decision<'_> {
     }
 
     fn switched_off(&mut self, term: Term) -> bool {
-        self.leave_out(term, Justification::Convention, OmissionReason::SwitchedOff(term))
+        self.leave_out(term, Justification::Convention, OmissionReason::SwitchedOff(term.name()))
     }
 
     /// Returns whether the spindle moves along X.

@@ -1,0 +1,137 @@
+//! Terms of the system around the bearings that a run leaves out.
+
+use super::housing::{MOUNTS, in_body, is_kept};
+use super::levels::on_two_bearings;
+use super::*;
+use crate::machine::codes::MachineWarning;
+use crate::machine::level::LevelChoice;
+use crate::machine::omission::omitted;
+use crate::machine::result::MachineResult;
+use crate::machine::simulate::simulate_on;
+use crate::rotor::omission::SystemTerm;
+use crate::simulation::model::terms::Justification;
+
+const SETTINGS: MachineSettings = MachineSettings {
+    settle: Some(0.1),
+    duration: 0.1,
+    step: Some(5.5e-6),
+    range: RANGE,
+    series: Vec::new(),
+    envelope: ENVELOPE,
+    band_edges: Vec::new(),
+};
+
+fn run(level: LevelChoice, machine: &Machine) -> MachineResult {
+    simulate_on(level, machine, &SETTINGS, &Control::until(&|| false)).unwrap()
+}
+
+/// The machine with a term switched off.
+fn without(machine: &Machine, term: SystemTerm) -> Machine {
+    let mut lean = machine.clone().without([term].into_iter());
+    lean.terms.set(term, TermChoice::Off);
+    lean.complete = Some(Box::new(machine.rotor.clone()));
+    lean
+}
+
+/// Largest deviation of a level of an acceleration that both have [dB].
+fn deviation(lean: &MachineResult, full: &MachineResult) -> f64 {
+    let level = |result: &MachineResult, wanted: &MachineChannel| {
+        result.channels.iter().find(|(channel, _)| channel == wanted).and_then(|(_, metrics)| metrics.level_db)
+    };
+    let pairs = lean.channels.iter().filter_map(|(channel, metrics)| Some((metrics.level_db?, level(full, channel)?)));
+    pairs.map(|(one, other)| (one - other).abs()).fold(0.0, f64::max)
+}
+
+/// The bound of the linear analysis covers the change of a level by each term, and is not infinite. Two bars: one of 25 mm that bends in its bearings,
+/// and one of 60 mm.
+#[test]
+fn bounds_cover_the_changes_of_levels() {
+    for diameter in [0.025, 0.06] {
+        let mut machine = on_two_bearings();
+        machine.rotor.shaft.sections[0].tube.outer_diameter = diameter;
+        let full = run(LevelChoice::Full, &machine);
+        for term in [SystemTerm::ShaftBending, SystemTerm::Tilt, SystemTerm::Gyroscopic] {
+            let lean = run(LevelChoice::Full, &without(&machine, term));
+            let [omitted] = lean.omitted[..] else { panic!("{:?}", lean.omitted) };
+            assert_eq!((omitted.term, omitted.by), (term, Justification::Convention));
+            let (change, bound) = (deviation(&lean, &full), omitted.change_db.unwrap());
+            println!("{diameter} m, {}: {change:.4} dB, bound {bound:.4} dB", term.name());
+            assert!(change > 0.0 && change < bound, "{}: {change} dB, bound {bound} dB", term.name());
+        }
+    }
+}
+
+/// A machine without its housing is one on the ground, bit for bit.
+#[test]
+fn without_its_housing_a_machine_stands_on_the_ground() {
+    let ground = on_two_bearings();
+    let mut housed = in_body(ground.clone(), MOUNTS, 100.0);
+    assert!(housed.rotor.has(SystemTerm::Housing) && !ground.rotor.has(SystemTerm::Housing));
+    housed = without(&housed, SystemTerm::Housing);
+    let (one, other) = (run(LevelChoice::Full, &housed), run(LevelChoice::Full, &ground));
+    assert!(one.channels.iter().map(|(_, metrics)| metrics).eq(other.channels.iter().map(|(_, metrics)| metrics)));
+    assert!(one.omitted[0].change_db.unwrap() > 3.0, "{:?}", one.omitted);
+}
+
+/// Without bending a shaft is a rigid spindle of its mass and inertia.
+#[test]
+fn without_bending_a_shaft_is_a_rigid_spindle() {
+    let machine = motor_spindle();
+    let lean = machine.clone().without([SystemTerm::ShaftBending].into_iter());
+    for (one, other) in after(&lean, 2e-3, 1e-6).iter().zip(after(&rigid(machine, true), 2e-3, 1e-6)) {
+        let size = one[..3].iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+        for axis in 0..3 {
+            assert!((one[axis] - other[axis]).abs() < 1e-6 * size, "{one:?}, {other:?}");
+        }
+    }
+}
+
+/// Hinges and missing gyroscopic moments do no work: without dissipation the energy is kept.
+#[test]
+fn lean_machines_keep_their_energy() {
+    let mut machine = conservative();
+    machine.rotor.unbalances.clear();
+    for term in [SystemTerm::ShaftBending, SystemTerm::Tilt, SystemTerm::Gyroscopic] {
+        is_kept(&machine.clone().without([term].into_iter()));
+        is_kept(&in_body(machine.clone(), MOUNTS, 0.0).without([term].into_iter()));
+    }
+    let (hinged, state) = started(&motor_spindle().without([SystemTerm::Tilt].into_iter()));
+    let (place, velocity) = hinged.coordinates(&state);
+    assert_eq!(hinged.rings(0, place, velocity).inner.tilt, [0.0; 2]);
+}
+
+/// Within a tolerance, terms with smaller bounds are left out, and the run states its deviation from `full`. A term that is on stays, and so does one
+/// whose signals are asked for.
+#[test]
+fn terms_within_a_tolerance_are_left_out() {
+    let mut machine = on_two_bearings();
+    machine.rotor.shaft.sections[0].tube.outer_diameter = 0.06;
+    let within = |machine: &Machine, settings: &MachineSettings, tolerance| -> Vec<SystemTerm> {
+        let omitted = omitted(machine, settings, tolerance, &|| false).unwrap();
+        omitted.iter().map(|omitted| omitted.term).collect()
+    };
+    assert_eq!(within(&machine, &SETTINGS, None), []);
+    assert_eq!(within(&machine, &SETTINGS, Some(0.001)), []);
+    assert_eq!(within(&machine, &SETTINGS, Some(0.3)), [SystemTerm::Tilt, SystemTerm::Gyroscopic]);
+    let series = vec![MachineChannel::Tilt(0, Axis::Y)];
+    assert_eq!(within(&machine, &MachineSettings { series, ..SETTINGS }, Some(0.3)), [SystemTerm::Gyroscopic]);
+    let result = run(LevelChoice::Within(0.3), &machine);
+    let deviation = result.accuracy.model.as_ref().unwrap().largest().unwrap().1;
+    assert!(result.level == ModelLevel::SpindleOnly && deviation < 0.3, "{:?} {deviation}", result.level);
+    let judged = |left_out: &&_| {
+        matches!(left_out, crate::simulation::model::terms::LeftOut { term: "tilt", bound: Some(_), .. })
+    };
+    assert_eq!(result.left_out().iter().filter(judged).count(), 1);
+    machine.terms.set(SystemTerm::Tilt, TermChoice::On);
+    assert_eq!(within(&machine, &SETTINGS, Some(0.3)), [SystemTerm::Gyroscopic]);
+    // Reduced levels do not apply, and `full` without gyroscopic moments does.
+    machine.rotor.shaft.is_axially_free = true;
+    let result = run(LevelChoice::Within(0.3), &machine);
+    assert_eq!((result.level, result.omitted.len()), (ModelLevel::Full, 1));
+    assert!(result.accuracy.model.as_ref().unwrap().largest().unwrap().1 < 0.3);
+    let names_term = |warning: &MachineWarning| match warning {
+        MachineWarning::LevelNotEligible { model, .. } => model.without == [SystemTerm::Gyroscopic],
+        _ => false,
+    };
+    assert_eq!(result.warnings.iter().filter(|warning| names_term(warning)).count(), 2);
+}
