@@ -1,9 +1,10 @@
 // The result of a run of a shaft in time: levels of each channel, spectra with labelled lines, bearings, natural frequencies.
 
 import * as api from './api.js';
+import { leftOut } from './derived.js';
 import { h, labelledRadio, more, small, table, tools } from './dom.js';
 import { command, curl, keep, save } from './download.js';
-import { channelName, LEVEL_UNIT, level, measured, number, numerical, quantity } from './format.js';
+import { channelName, LEVEL_UNIT, level, measured, number, numerical, quantity, words } from './format.js';
 import { isWarning, messageList } from './messages.js';
 import { figure, headlineFigures } from './metrics.js';
 import { RUN_UP_VIEWS, runUp } from './run-up.js';
@@ -127,7 +128,7 @@ export class MachineView {
       headlineFigures(this.answer),
       figure('Largest ball load', number(load), 'N'),
       isStable !== undefined && figure('Linear analysis', isStable ? 'stable' : 'unstable'),
-      figure('Step', number(model.step_us, 3), 'µs', `${model.coordinates} coordinates of the shaft`),
+      figure('Step', number(model.step_us, 3), 'µs', `${words(model.rung)}, ${model.coordinates} coordinates of the shaft`),
     );
   }
 
@@ -175,7 +176,8 @@ export class MachineView {
 
   /** Natural frequencies, and all other channels. */
   #rest() {
-    const { natural_frequencies: natural, channels } = this.answer;
+    const { natural_frequencies: natural, channels, model } = this.answer;
+    const omitted = model.left_out ?? [];
     const others = Object.entries(channels).filter(([name]) => !isAcceleration(name));
     return h(
       'div',
@@ -204,6 +206,7 @@ export class MachineView {
           { hidden: true },
         ),
       ),
+      omitted.length > 0 && more(`Omitted terms: ${omitted.length}`, leftOut(omitted)),
     );
   }
 }

@@ -5,7 +5,7 @@ import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
 import { field, Fields, focusFirstError, idOf, offered, openAround, ownDimensions, textInput } from './form.js';
 import { read, write } from './request.js';
-import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE } from './shaft-lists.js';
+import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE, TERMS } from './shaft-lists.js';
 import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, without } from './shaft-request.js';
 
 const BEARINGS = '/scene/bearings';
@@ -35,6 +35,7 @@ export class ShaftForm {
       this.#group(SPINDLE),
       ...[...this.lists.values()].map(({ element }) => element),
       this.#group(SHAFT),
+      this.#group(TERMS),
       this.#group(ANALYSIS),
       this.#group(RUN),
     );

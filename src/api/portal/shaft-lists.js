@@ -386,6 +386,24 @@ export const SHAFT = {
   ],
 };
 
+const TERM = [
+  ['', 'automatic'],
+  ['on', 'on'],
+  ['off', 'off'],
+];
+
+/** What the equations of shaft and housing contain. */
+export const TERMS = {
+  title: 'Terms',
+  of: 'SystemTerms',
+  fields: [
+    single('/scene/terms/shaft_bending', 'Bending of the shaft', '', { choices: TERM }),
+    single('/scene/terms/tilt', 'Tilt of the rings', '', { choices: TERM }),
+    single('/scene/terms/gyroscopic', 'Gyroscopic moments', '', { choices: TERM }),
+    single('/scene/terms/housing', 'Motion of the housing', '', { choices: TERM }),
+  ],
+};
+
 export const ANALYSIS = {
   title: 'Speeds of the Campbell diagram',
   open: true,
@@ -404,5 +422,6 @@ export const RUN = {
   fields: [
     single('/duration_s', 'Recorded time', 's', { fallback: '0.2' }),
     single('/settle_s', 'Settling time', 's', { fallback: 'automatic' }),
+    single('/solver/model_tolerance_db', 'Model error, at most', 'dB', { fallback: 'complete model', of: 'MachineSolverInput' }),
   ],
 };

@@ -223,6 +223,45 @@ fn a_machine_takes_the_level_that_can_represent_it() {
     }
 }
 
+/// Terms of shaft and housing may be off in analyses and in runs. A housing with a sensor stays, and a hinge alone holds no shaft.
+#[test]
+fn terms_of_shaft_and_housing_are_switched() {
+    let with = |kind: &str, terms: Value| {
+        let mut job = machine(kind, json!({}));
+        job["scene"]["terms"] = terms;
+        job
+    };
+    for kind in ["rotor", "machine"] {
+        let job = parsed(&with(kind, json!({ "tilt": "off" }))).unwrap();
+        let terms = json!({ "shaft_bending": "auto", "tilt": "off", "gyroscopic": "auto", "housing": "auto" });
+        assert_eq!(job.scene_json()["terms"], terms);
+        assert_eq!(parsed(&job.complete()).unwrap().canonical(), job.canonical());
+        assert_ne!(job.canonical(), parsed(&machine(kind, json!({}))).unwrap().canonical());
+        let errors = parsed(&with(kind, json!({ "drag": "off", "gyroscopic": "no" }))).unwrap_err();
+        let pointers: Vec<&str> = errors.iter().map(|(at, _)| at.as_str()).collect();
+        assert_eq!(pointers, ["/scene/terms/drag", "/scene/terms/gyroscopic"], "{errors:?}");
+    }
+    let mut heard = with("machine", json!({ "housing": "off" }));
+    heard["scene"]["housing"] = json!({
+        "bodies": [{ "name": "head", "mass_kg": 8, "at_mm": 150, "inertia_kg_m2": [0.02, 0.05, 0.05] }],
+        "mounts": [{ "body": "head", "stiffness_n_per_um": [50, 20, 50], "tilt_n_m_per_mrad": [20, 20] }],
+    });
+    heard["scene"]["bearings"][0]["outer_ring"] = json!({ "on": "head" });
+    assert!(parsed(&heard).is_ok());
+    heard["outputs"] = json!({ "series": ["head.y.acceleration"] });
+    assert!(parsed(&heard).unwrap_err().iter().any(|(at, _)| at == "/outputs/series/0"));
+    heard.as_object_mut().unwrap().remove("outputs");
+    heard["scene"]["sensors"] = json!([{ "name": "acc", "on": "head", "at_mm": 40, "direction": "y" }]);
+    let errors = parsed(&heard).unwrap_err();
+    assert!(errors.iter().any(|(at, text)| at == "/scene/terms/housing" && text.contains("`acc`")), "{errors:?}");
+    let mut hinged = with("rotor", json!({ "tilt": "off" }));
+    hinged["scene"]["bearings"].as_array_mut().unwrap().truncate(1);
+    hinged["scene"].as_object_mut().unwrap().remove("preloads");
+    hinged["scene"]["spindle"]["tilt"] = json!("free");
+    let errors = parsed(&hinged).unwrap_err();
+    assert!(errors.iter().any(|(_, text)| text.contains("leave a rigid motion of the shaft free")), "{errors:?}");
+}
+
 /// A plan has the job with its defaults, what follows of each bearing, and a time that grows with the record and the levels that may be tried.
 #[test]
 fn a_machine_is_planned_without_a_run() {
@@ -249,4 +288,9 @@ fn a_machine_is_planned_without_a_run() {
     let long = plan(&|job| job["duration_s"] = json!(2));
     assert!(likely(&long) > 2.0 * likely(&usual) && usual.cost.most_wall_time_s.unwrap() > likely(&usual));
     assert_eq!(plan(&|job| job["step_us"] = json!(2)).step_us, 2.0);
+    assert!(usual.left_out.is_empty());
+    let lean = plan(&|job| job["scene"]["terms"] = json!({ "tilt": "off", "shaft_bending": "off" }));
+    // A rigid spindle has no bending to leave out.
+    let [tilt] = &lean.left_out[..] else { panic!("one term: {:?}", lean.left_out) };
+    assert!(tilt.term == "tilt" && tilt.bound.is_some_and(|bound| bound > 0.1) && tilt.unit.as_deref() == Some("dB"));
 }
