@@ -4,7 +4,7 @@ use super::channel::MachineChannel;
 use super::frame::mesh;
 use super::input::{Machine, MachineError};
 use super::settings::MachineSettings;
-use crate::rotor::level_change::BandLevels;
+use crate::rotor::level_change::BandPowers;
 use crate::rotor::omission::SystemTerm;
 use crate::simulation::input::scene::TermChoice;
 use crate::simulation::model::omission::OmissionReason;
@@ -75,7 +75,7 @@ pub(super) fn omitted(
         return Ok(Vec::new());
     }
     let (mesh, count) = mesh(complete, &machine.sensors, settings.range, stop)?;
-    let levels = |rotor| BandLevels::of(&rotor, &machine.sensors, mesh.clone(), count, machine.speed.largest());
+    let levels = |rotor| BandPowers::of(&rotor, &machine.sensors, mesh.clone(), count, machine.speed.largest());
     let of_complete = levels(complete.clone());
     let of_rotor = machine.complete.as_ref().map_or_else(|| of_complete.clone(), |_| levels(machine.rotor.clone()));
     let mut omitted = Vec::new();
