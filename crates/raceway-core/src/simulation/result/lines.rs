@@ -149,9 +149,7 @@ impl LineSources<'_> {
 /// floor, interpolated between bins. Its label is the simplest combination of the bearing's frequencies within half a bin plus 0.02 %, and
 /// within the uncertainty of its place, or the whirl of cage or spindle.
 pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest: f64) -> Vec<Line> {
-    let bins = line_bins(spectrum, highest);
-    let mut lines: Vec<Line> = bins
-        .into_iter()
+    let mut lines: Vec<Line> = line_bins(spectrum, highest)
         // Interpolation raises a line by at most 18 %; a few more are kept until their order is known.
         .take(2 * MAX_LINES)
         .map(|bin| {
@@ -167,24 +165,38 @@ pub(crate) fn find_lines(spectrum: &Spectrum, sources: &LineSources<'_>, highest
 }
 
 /// Bins of the lines of a spectrum up to `highest` [Hz], strongest first: local maxima above the local floor and within 60 dB of the strongest.
-fn line_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
-    let mut bins = peak_bins(spectrum, highest);
-    let strongest = bins.first().map_or(0.0, |&bin| spectrum.amplitude[bin]);
-    bins.retain(|&bin| spectrum.amplitude[bin] > LEAST_SHARE * strongest);
-    bins
+fn line_bins(spectrum: &Spectrum, highest: f64) -> impl Iterator<Item = usize> {
+    let amplitude = &spectrum.amplitude;
+    let maxima = local_maxima(spectrum, highest);
+    let strongest = maxima.iter().find(|&&bin| stands_out(amplitude, bin)).map_or(0.0, |&bin| amplitude[bin]);
+    // Most maxima are too weak. Their floors would take longer than all lines.
+    let strong = maxima.into_iter().take_while(move |&bin| amplitude[bin] > LEAST_SHARE * strongest);
+    strong.filter(|&bin| stands_out(amplitude, bin))
 }
 
 /// Bins of all local maxima above the local floor up to `highest` [Hz], strongest first.
 pub(crate) fn peak_bins(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
+    let mut bins = local_maxima(spectrum, highest);
+    bins.retain(|&bin| stands_out(&spectrum.amplitude, bin));
+    bins
+}
+
+/// Bins of all local maxima up to `highest` [Hz], strongest first.
+fn local_maxima(spectrum: &Spectrum, highest: f64) -> Vec<usize> {
     let amplitude = &spectrum.amplitude;
     // The bins at 0 and 1 hold slow drift, and the last ones have no neighbours.
     let end = amplitude.len().saturating_sub(LOBE);
     let mut bins: Vec<usize> = (LOBE..end)
         .take_while(|&bin| bin as f64 * spectrum.resolution <= highest)
-        .filter(|&bin| is_local_maximum(amplitude, bin) && amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin))
+        .filter(|&bin| is_local_maximum(amplitude, bin))
         .collect();
     bins.sort_by(|&a, &b| amplitude[b].total_cmp(&amplitude[a]));
     bins
+}
+
+/// Returns true for an entry far above the local floor.
+fn stands_out(amplitude: &[f64], bin: usize) -> bool {
+    amplitude[bin] > FLOOR_FACTOR * floor(amplitude, bin)
 }
 
 fn is_local_maximum(amplitude: &[f64], bin: usize) -> bool {
