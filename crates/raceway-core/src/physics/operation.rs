@@ -65,17 +65,22 @@ impl SpeedProfile {
     }
 
     /// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²].
-    #[inline]
+    #[inline(always)]
     pub fn at(&self, time: f64) -> (f64, f64, f64) {
         let (angle, speed, acceleration) = self.since_first_point(time);
         (angle - self.first_angle, speed, acceleration)
     }
 
-    #[inline]
+    #[inline(always)]
     fn since_first_point(&self, time: f64) -> (f64, f64, f64) {
-        if let [(at, speed)] = self.points[..] {
-            return (speed * (time - at), speed, 0.0);
+        match self.points[..] {
+            [(at, speed)] => (speed * (time - at), speed, 0.0),
+            _ => self.along_points(time),
         }
+    }
+
+    /// The same for several points.
+    fn along_points(&self, time: f64) -> (f64, f64, f64) {
         // At a kink the slope before it counts; a run begins with the slope after it.
         let next = self.points.partition_point(|&(at, _)| at < time || at <= 0.0);
         if next == 0 {
