@@ -44,8 +44,11 @@ pub struct SurfacePreset {
 
 /// The bearing of that name.
 pub fn bearing(name: &str) -> Option<BearingPreset> {
-    let article = ARTICLE.iter().find(|bearing| bearing.0 == name).map(article_preset);
-    article.or_else(|| CATALOGUE.iter().find(|bearing| bearing.0 == name).map(catalogue_preset))
+    of_article(name).or_else(|| CATALOGUE.iter().find(|bearing| bearing.0 == name).map(catalogue_preset))
+}
+
+fn of_article(name: &str) -> Option<BearingPreset> {
+    ARTICLE.iter().find(|bearing| bearing.0 == name).map(article_preset)
 }
 
 /// A bearing by a preset's name or by its designation.
@@ -58,8 +61,11 @@ pub struct NamedBearing {
 
 /// The bearing of a preset's name, or of a designation. A preset keeps its own numbers, also with suffixes.
 pub fn named(name: &str) -> Result<NamedBearing, UnknownDesignation> {
-    let preset = bearing(name);
-    match (preset, Designation::read(name)) {
+    // The names of the article's bearings are no designations.
+    if let Some(preset) = of_article(name) {
+        return Ok(NamedBearing { preset, designation: None });
+    }
+    match (bearing(name), Designation::read(name)) {
         (Some(preset), designation) => Ok(NamedBearing { preset, designation: designation.ok() }),
         (None, Ok(designation)) => {
             let of_catalogue = designation.bearing;
