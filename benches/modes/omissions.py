@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 """Change of levels by leaving out a term of shaft or housing, beside its bound of the linear analysis, and the time that it saves.
 
-Usage: python3 benches/modes/omissions.py --binary BINARY [--seed 1] [--count 10] [--limit 60] [--csv FILE]
+Usage: python3 benches/modes/omissions.py --binary BINARY [--seed 1] [--count 10] [--limit 60] [--csv FILE] [--summary FILE]
 
 Each machine runs complete, and with each of its terms switched off (`scene.terms`): bending, tilt, gyroscopic moments, housing. Machines: stub
 shafts on two 6205 side by side, ever longer; a bar of 300 mm, ever thicker; a motor spindle in a head, whose mount becomes ever stiffer;
 and those of benches/coverage/machines.py. All runs of a machine have the same steps.
 
   bound     `left_out[].bound` of the run without the term [dB]
-  change    largest difference of a level of an acceleration; of the last 60 dB below the loudest none counts
+  change    largest difference of the level at a place, all directions of its acceleration together; places 60 dB below the loudest do not count
+  --summary a row for each term: number of machines, changes covered, least and median bound, bounds within 0.5 dB, median share of the time
   error     largest `accuracy.level_errors_db` of both runs [dB]; a change within the bound and this is covered
   --limit   largest processor time of a run [s]; machines beyond it are counted as too dear
 
@@ -20,6 +21,7 @@ import csv
 import json
 import math
 import os
+import statistics
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -30,7 +32,6 @@ import machines  # noqa: E402
 TERMS = ("shaft_bending", "tilt", "gyroscopic", "housing")
 RUN = {"kind": "machine", "settle_s": 0.1, "duration_s": 0.1, "step_us": 5.5}
 FAINT_DB = 60.0
-TOLERANCES_DB = (0.05, 0.5)
 
 
 def stub(length):
@@ -81,7 +82,13 @@ def answered(runner, binary, scene):
 
 
 def levels(answer):
-    return {name: channel["level_db"] for name, channel in answer["channels"].items() if channel.get("level_db") is not None}
+    """Level of each place [dB]: of a bearing, a part of the housing or a sensor."""
+    powers = {}
+    for name, channel in answer["channels"].items():
+        if channel.get("level_db") is not None:
+            place = name if name.startswith("sensor.") else name.split(".")[0]
+            powers[place] = powers.get(place, 0.0) + 10 ** (channel["level_db"] / 10)
+    return {place: 10 * math.log10(power) for place, power in powers.items()}
 
 
 def rows_of(runner, binary, name, scene):
@@ -101,7 +108,7 @@ def rows_of(runner, binary, name, scene):
             continue
         own, other = levels(answer), levels(lean_answer)
         loudest = max(own.values())
-        changes = [abs(other[channel] - level) for channel, level in own.items() if channel in other and level > loudest - FAINT_DB]
+        changes = [abs(other[place] - level) for place, level in own.items() if place in other and level > loudest - FAINT_DB]
         errors = [error for one in (answer, lean_answer) for error in one["accuracy"]["level_errors_db"].values()]
         found.append({"machine": name, "term": term, "bound_db": left_out[0].get("bound"), "change_db": max(changes),
                       "error_db": max(errors, default=0.0), "coordinates": answer["model"]["coordinates"],
@@ -115,16 +122,24 @@ def shown(value):
     return "–" if value is None else f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
-def report(rows):
+def summary(rows):
+    """A row for each term."""
+    found = []
     for term in TERMS:
         of = [row for row in rows if row["term"] == term]
-        if not of:
-            continue
         bound = [math.inf if row["bound_db"] is None else row["bound_db"] for row in of]
         covered = sum(row["change_db"] <= limit + row["error_db"] for row, limit in zip(of, bound))
-        within = ", ".join(f"{sum(limit <= tolerance for limit in bound)} within {tolerance:g} dB" for tolerance in TOLERANCES_DB)
-        print(f"{term}: {len(of)} machines, {covered} changes covered; bounds: {within}; least {min(bound):.2g} dB, median "
-              f"{sorted(bound)[len(bound) // 2]:.2g} dB")
+        share = statistics.median(row["cpu_without_s"] / row["cpu_s"] for row in of)
+        found.append({"term": term, "machines": len(of), "covered": covered, "least_db": min(bound), "median_db": statistics.median(bound),
+                      "within_half": sum(limit <= 0.5 for limit in bound), "time_share": round(share, 2)})
+    return found
+
+
+def write(path, rows):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows({key: shown(value) for key, value in row.items()} for row in rows)
 
 
 def main():
@@ -134,6 +149,7 @@ def main():
     parser.add_argument("--count", type=int, default=10)
     parser.add_argument("--limit", type=float, default=60.0)
     parser.add_argument("--csv")
+    parser.add_argument("--summary")
     options = parser.parse_args()
     runner, rows, missing = compare.Runner(options.limit), [], 0
     for name, scene in scenes(options):
@@ -141,12 +157,13 @@ def main():
         missing += found is None
         rows += found or []
     print(f"\n{missing} machines without an answer. Binary {compare.label_of(options.binary)}; {compare.machine()}; {compare.now()}\n")
-    report(rows)
+    of_terms = summary(rows)
+    for row in of_terms:
+        print({key: shown(value) for key, value in row.items()})
     if options.csv:
-        with open(options.csv, "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, rows[0].keys())
-            writer.writeheader()
-            writer.writerows({key: shown(value) for key, value in row.items()} for row in rows)
+        write(options.csv, rows)
+    if options.summary:
+        write(options.summary, of_terms)
 
 
 if __name__ == "__main__":

@@ -109,7 +109,8 @@ pub struct MachineSolverInput {
     #[schema(nullable = false, value_type = Option<MachineRungName>)]
     pub rung: Option<String>,
     /// Largest accepted error of a level by the model [dB], in place of `rung`. Above 0, `spindle_only` and then `radially_condensed` are tried.
-    /// The first whose levels deviate by no more from `full` gives the result; otherwise the job runs on `full`.
+    /// The first whose levels deviate by no more from `full` gives the result; otherwise the job runs on `full`. All of them are without the terms
+    /// of shaft and housing whose bound is as small (`scene.terms`).
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0, maximum = 20, example = 0.5)]
     pub model_tolerance_db: Option<f64>,

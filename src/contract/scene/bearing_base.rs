@@ -69,7 +69,7 @@ fn refusal(name: &str, unknown: UnknownDesignation) -> String {
             )
         }
         UnknownDesignation::Arrangement { bearing, arrangement } => format!(
-            "`{name}`: {arrangement} is a pair of {bearing}; give `kind` `machine` with both in `bearings`, facing each other by `faces`"
+            "`{name}`: {arrangement} is a pair of {bearing}; give `kind` `machine` with both in `bearings`; `faces` makes the arrangement"
         ),
         UnknownDesignation::TwoGroups { bearing } => format!("`{name}`: {bearing} with two clearance groups"),
     }

@@ -4,7 +4,7 @@ use super::channel::MachineChannel;
 use super::frame::mesh;
 use super::input::{Machine, MachineError};
 use super::settings::MachineSettings;
-use crate::rotor::level_change::BandPowers;
+use crate::rotor::level_change::Responses;
 use crate::rotor::omission::SystemTerm;
 use crate::simulation::input::scene::TermChoice;
 use crate::simulation::model::omission::OmissionReason;
@@ -33,7 +33,7 @@ impl SystemTerms {
 pub struct OmittedTerm {
     pub term: SystemTerm,
     pub by: Justification,
-    /// Largest change of a level by the linear analysis [dB]; `None`: without the term there is no equilibrium, or no motion.
+    /// Largest change of the vibration of a place by the linear analysis [dB]; `None`: without the term there is no equilibrium, or no motion.
     pub change_db: Option<f64>,
 }
 
@@ -42,7 +42,7 @@ impl From<&OmittedTerm> for LeftOut {
         let term = omitted.term.name();
         let reason = match omitted.by {
             Justification::Convention => OmissionReason::SwitchedOff(term),
-            _ => OmissionReason::LevelsHardlyChange,
+            _ => OmissionReason::VibrationHardlyChanges,
         };
         Self { term, reason, by: omitted.by, bound: omitted.change_db.map(|change| (change, "dB")) }
     }
@@ -57,7 +57,7 @@ fn is_recorded(settings: &MachineSettings, term: SystemTerm) -> bool {
     })
 }
 
-/// The terms that are off, and those that may be left out because they change no level by more than a tolerance [dB].
+/// The terms that are off, and those that may be left out because they change the vibration by no more than a tolerance [dB].
 pub(super) fn omitted(
     machine: &Machine,
     settings: &MachineSettings,
@@ -75,9 +75,9 @@ pub(super) fn omitted(
         return Ok(Vec::new());
     }
     let (mesh, count) = mesh(complete, &machine.sensors, settings.range, stop)?;
-    let levels = |rotor| BandPowers::of(&rotor, &machine.sensors, mesh.clone(), count, machine.speed.largest());
-    let of_complete = levels(complete.clone());
-    let of_rotor = machine.complete.as_ref().map_or_else(|| of_complete.clone(), |_| levels(machine.rotor.clone()));
+    let responses = |rotor| Responses::of(&rotor, &machine.sensors, mesh.clone(), count, machine.speed.largest());
+    let of_complete = responses(complete.clone());
+    let of_rotor = machine.complete.as_ref().map_or_else(|| of_complete.clone(), |_| responses(machine.rotor.clone()));
     let mut omitted = Vec::new();
     for term in candidates {
         if stop() {
@@ -88,7 +88,7 @@ pub(super) fn omitted(
             _ => (Justification::Judgement, &machine.rotor, &of_rotor),
         };
         let change =
-            with.as_ref().zip(levels(rotor.clone().without(term))).map(|(with, without)| with.change(&without));
+            with.as_ref().zip(responses(rotor.clone().without(term))).map(|(with, without)| with.change(&without));
         let change_db = change.filter(|change| change.is_finite());
         let is_small = || change_db.zip(tolerance_db).is_some_and(|(change, tolerance)| change <= tolerance);
         if by == Justification::Convention || is_small() {

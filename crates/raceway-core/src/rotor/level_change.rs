@@ -1,8 +1,9 @@
-//! Change of levels by leaving out a term, by the linear analysis.
+//! Change of the vibration by leaving out a term, by the linear analysis.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::{Complex, DMatrix};
 
 use super::input::Rotor;
 use super::sensor::Sensor;
@@ -13,84 +14,101 @@ use crate::physics::frame::mesh::Mesh;
 /// Bands from 20 Hz to a thousand times as much, ten a decade: thirds of an octave. In each, this many frequencies: a resonance of damping ratio
 /// 0.5 % is wider than the distance of two.
 const LOWEST: f64 = 20.0;
-const BANDS: u32 = 30;
+const BANDS: i32 = 30;
 const BANDS_PER_DECADE: f64 = 10.0;
-const IN_BAND: u32 = 32;
-/// Power of an acceleration over that of the strongest, under the same force, below which it does not count [-]: 60 dB.
+const IN_BAND: i32 = 32;
+/// Power at a place over that at the liveliest one, under the same force, below which it does not count [-]: 60 dB.
 const FAINT: f64 = 1e-6;
+/// Directions of a force, and of the motion of a place: X, Y, Z.
+const DIRECTIONS: usize = 3;
 
-/// Powers of the accelerations of a rotor under forces of equal size at any frequency, in thirds of an octave.
+/// Displacements under forces of 1 N, on linear bearings at one speed.
 #[derive(Debug, Clone)]
-pub struct BandPowers {
-    /// Of each force, a row for each acceleration and a column for each band.
-    of_forces: Vec<DMatrix<f64>>,
+pub struct Responses {
+    /// Rows of each place: three of an inner ring and of a part of the housing, one of a sensor. Parts of the housing come last.
+    places: Vec<Range<usize>>,
+    /// At each frequency a row for each direction of a place, and three columns for each force.
+    displacements: Vec<DMatrix<Complex<f64>>>,
 }
 
-impl BandPowers {
-    /// Accelerations of the inner rings, the parts of the housing and sensors, on linear bearings at a speed [rad/s]. Forces act between the rings
-    /// of each bearing, and on every other place where something acts: along X where it moves there, and turning forward and backward, because
-    /// gyroscopic moments change the one as much as the other with opposite signs. `None` without an equilibrium.
+impl Responses {
+    /// Forces act between the rings of each bearing, and on every other place of the shaft where something acts. `None` without an equilibrium at
+    /// the speed [rad/s].
     pub fn of(rotor: &Rotor, sensors: &[Sensor], mesh: Mesh, count: usize, speed: f64) -> Option<Self> {
         let system = System::of(rotor, mesh, count, &[speed]).ok()?;
         let coordinates = &system.coordinates;
-        let of_shaft = |at: f64| coordinates.port(coordinates.mesh.node(at));
+        let along = |rows: &DMatrix<f64>| rows.rows(0, DIRECTIONS).into_owned();
+        let of_shaft = |at: f64| along(&coordinates.port(coordinates.mesh.node(at)));
         let loaded = rotor.unbalances.iter().map(|plane| plane.at).chain(rotor.loads.iter().map(|load| load.at));
-        let forces: Vec<_> = system.bearings.iter().map(|port| port.rows.clone()).chain(loaded.map(of_shaft)).collect();
-        let along = |rows: DMatrix<f64>| rows.rows(0, 3).into_owned();
-        let rings = rotor.bearings.iter().map(|bearing| along(of_shaft(bearing.at)));
-        let parts = coordinates.housing.parts().map(along);
+        let inputs: Vec<_> = system.bearings.iter().map(|port| along(&port.rows)).chain(loaded.map(of_shaft)).collect();
+        let rings = rotor.bearings.iter().map(|bearing| of_shaft(bearing.at));
         let read = sensors.iter().map(|sensor| DMatrix::from_rows(&[coordinates.reading(sensor).transpose()]));
-        let outputs = stacked(rings.chain(parts).chain(read))?;
-        let inputs = stacked(forces.into_iter().map(along))?.transpose();
+        let parts = coordinates.housing.parts().map(|rows| along(&rows));
+        let outputs: Vec<_> = rings.chain(read).chain(parts).collect();
+        let mut end = 0;
+        let places = outputs.iter().map(|rows| {
+            end += rows.nrows();
+            end - rows.nrows()..end
+        });
+        let places = places.collect();
         let (stiffness, damping) = system.matrices(speed);
-        let transfer = TransferFunction::of([&stiffness, &damping], &inputs, &outputs);
-        let mut of_forces = vec![DMatrix::zeros(outputs.nrows(), BANDS as usize); inputs.ncols()];
-        for band in 0..BANDS {
-            for frequency in frequencies(band) {
-                let values = transfer.at(frequency);
-                for (place, of_place) in of_forces.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                    let [x, y, z] = [0, 1, 2].map(|axis| values.column(3 * place + axis));
-                    let turned = z * Complex::i();
-                    add(&mut of_place[0], band, frequency, &x.into_owned());
-                    add(&mut of_place[1], band, frequency, &(y - &turned));
-                    add(&mut of_place[2], band, frequency, &(y + &turned));
-                }
-            }
-        }
-        Some(Self { of_forces })
+        let transfer =
+            TransferFunction::of([&stiffness, &damping], &stacked(&inputs)?.transpose(), &stacked(&outputs)?);
+        Some(Self { places, displacements: (0..BANDS).flat_map(frequencies).map(|at| transfer.at(at)).collect() })
     }
 
-    /// The largest change of a level in any band [dB]. The rotor without the term may have no housing: accelerations of its parts, which stand
-    /// behind those of the rings, then do not count.
+    /// The largest change of the vibration of a place, all directions together, under a force of any direction, in any third of an octave [dB].
+    /// Places that only one of both has do not count.
+    ///
+    /// A difference of a share ρ of the motion changes its level by at most 20 lg(1 + ρ).
     pub fn change(&self, lean: &Self) -> f64 {
-        let pairs = self.of_forces.iter().zip(&lean.of_forces);
-        pairs.map(|(full, lean)| change(full, lean)).fold(0.0, f64::max)
+        let bands = self.displacements.chunks(IN_BAND as usize).zip(lean.displacements.chunks(IN_BAND as usize));
+        let of_band = |(full, lean): (&[DMatrix<Complex<f64>>], &[DMatrix<Complex<f64>>])| {
+            let forces = (0..full[0].ncols()).step_by(DIRECTIONS);
+            forces.map(|first| self.share(full, lean, first)).fold(0.0, f64::max)
+        };
+        20.0 * (1.0 + bands.map(of_band).fold(0.0, f64::max)).log10()
+    }
+
+    /// The largest difference at a place over its motion, in a band under the force with this first column.
+    fn share(&self, full: &[DMatrix<Complex<f64>>], lean: &[DMatrix<Complex<f64>>], first: usize) -> f64 {
+        let shared = lean[0].nrows();
+        let powers = self.places.iter().filter(|place| place.end <= shared).map(|place| {
+            let mut sums = [0.0; 2];
+            for (weight, (full, lean)) in weights().zip(full.iter().zip(lean)) {
+                let of = |all: &DMatrix<Complex<f64>>| {
+                    all.view((place.start, first), (place.len(), DIRECTIONS)).into_owned()
+                };
+                let (full, lean) = (of(full), of(lean));
+                sums[0] += weight * full.norm_squared();
+                sums[1] += weight * (full - lean).norm_squared();
+            }
+            sums
+        });
+        let powers: Vec<[f64; 2]> = powers.collect();
+        let liveliest = powers.iter().map(|[power, _]| *power).fold(0.0, f64::max);
+        let heard = powers.iter().filter(|[power, _]| *power > FAINT * liveliest);
+        heard.map(|[power, difference]| (difference / power).sqrt()).fold(0.0, f64::max)
     }
 }
 
-/// The largest change of an acceleration that is not faint, in any band [dB].
-fn change(full: &DMatrix<f64>, lean: &DMatrix<f64>) -> f64 {
-    let strongest = full.row_iter().map(|row| row.sum()).fold(0.0, f64::max);
-    let heard = full.row_iter().zip(lean.row_iter()).filter(|(row, _)| row.sum() > FAINT * strongest);
-    let in_bands = heard.flat_map(|(full, lean)| full.iter().copied().zip(lean.iter().copied()).collect::<Vec<_>>());
-    in_bands.map(|(full, lean)| 10.0 * (lean / full).log10().abs()).fold(0.0, f64::max)
-}
-
-fn stacked(parts: impl Iterator<Item = DMatrix<f64>>) -> Option<DMatrix<f64>> {
-    let parts: Vec<_> = parts.collect();
+fn stacked(parts: &[DMatrix<f64>]) -> Option<DMatrix<f64>> {
     let rows: Vec<_> = parts.iter().flat_map(DMatrix::row_iter).collect();
     (!rows.is_empty()).then(|| DMatrix::from_rows(&rows))
 }
 
-/// Angular frequencies in a band [rad/s].
-fn frequencies(band: u32) -> impl Iterator<Item = f64> {
-    let share = |place: u32| (f64::from(place) + 0.5) / f64::from(IN_BAND);
-    (0..IN_BAND).map(move |place| TAU * LOWEST * 10_f64.powf((f64::from(band) + share(place)) / BANDS_PER_DECADE))
+/// Places of the frequencies in a band, on its logarithmic scale from 0 to 1.
+fn places() -> impl Iterator<Item = f64> {
+    (0..IN_BAND).map(|place| (f64::from(place) + 0.5) / f64::from(IN_BAND))
 }
 
-/// Adds the powers of accelerations by displacements at a frequency, which stands for a part of the band that is as wide as the frequency is high.
-fn add(powers: &mut DMatrix<f64>, band: u32, frequency: f64, displacements: &DVector<Complex<f64>>) {
-    for (sum, value) in powers.column_mut(band as usize).iter_mut().zip(displacements) {
-        *sum += frequency.powi(5) * value.norm_sqr();
-    }
+/// Angular frequencies in a band [rad/s].
+fn frequencies(band: i32) -> impl Iterator<Item = f64> {
+    places().map(move |place| TAU * LOWEST * 10_f64.powf((f64::from(band) + place) / BANDS_PER_DECADE))
+}
+
+/// Shares of the frequencies of a band in the power of the acceleration, but for a factor: each stands for a part of the band that is as wide as it is
+/// high.
+fn weights() -> impl Iterator<Item = f64> {
+    places().map(|place| 10_f64.powf(5.0 * place / BANDS_PER_DECADE))
 }

@@ -32,8 +32,8 @@ pub fn omission(reason: OmissionReason) -> String {
         OmissionReason::WedgeNeedsViscosity => "a wedge needs a viscosity above 0",
         OmissionReason::FilmNeedsViscosity => "a film needs a viscosity above 0",
         OmissionReason::NoOutput => "no output asks for it",
-        OmissionReason::LevelsHardlyChange => {
-            "by the linear analysis no level changes by more than the bound in any third of an octave, under forces without lines"
+        OmissionReason::VibrationHardlyChanges => {
+            "by the linear analysis the vibration of no place changes by more than the bound, in any third of an octave under a force of any direction"
         }
     };
     text.to_owned()

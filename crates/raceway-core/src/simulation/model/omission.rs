@@ -39,8 +39,8 @@ pub enum OmissionReason {
     FilmNeedsViscosity,
     /// No output shows it.
     NoOutput,
-    /// The linear analysis bounds the change of the levels.
-    LevelsHardlyChange,
+    /// The linear analysis bounds the change of the vibration.
+    VibrationHardlyChanges,
     /// A reduced model condenses it.
     Condensed(ModelLevel, Condensation),
 }
