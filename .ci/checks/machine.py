@@ -104,6 +104,7 @@ def case_refusals(running):
         "of 60 s": ({"duration": 60}, "/duration_s"),
         "with an envelope above the spectrum": ({"outputs": {"envelope_band_hz": [2000, 26000]}}, "/outputs/envelope_band_hz/1"),
         "with a housing without bodies": ({"scene": scene(housing={"bodies": []})}, "/scene/housing/bodies"),
+        "with a term of bearings": ({"scene": scene(terms={"drag": "off"})}, "/scene/terms/drag"),
     }
     for name, (fields, pointer) in cases.items():
         found = pointers(**fields)
@@ -154,6 +155,29 @@ def case_labels(running):
     _, found = lines({"radial_load_y_n": 1000}, wave)
     strongest = max(found, key=lambda line: line["amplitude"])
     verdict("6·BSF" in strongest["label"] and strongest["label"].endswith("@A"), f"a wavy ball of A: {strongest['label']} at {strongest['frequency_hz']} Hz")
+
+
+def case_terms(running):
+    """Without bending the bar is rigid: its bending modes are gone, and the bound covers what that changes."""
+    complete, lean = (result(running, job(duration=0.1, scene=scene(**more)), "machine") for more in ({}, {"terms": {"shaft_bending": "off"}}))
+    [left_out] = lean["model"]["left_out"]
+    verdict((left_out["term"], left_out["by"], left_out["unit"]) == ("shaft_bending", "convention", "dB"), f"the omission is named: {left_out}")
+    levels = [run["channels"]["sensor.probe.acceleration"]["level_db"] for run in (complete, lean)]
+    verdict(0.5 < abs(levels[1] - levels[0]) < left_out["bound"], f"levels of the probe {levels} dB, bound {left_out['bound']} dB")
+    lowest = [run["natural_frequencies"] for run in (complete, lean)]
+    verdict(len(lowest[0]) > 10 and len(lowest[1]) <= 5, f"natural frequencies: {len(lowest[0])}, of the rigid bar {len(lowest[1])}")
+    status, _, linear = running.request("POST", "/v1/rotor", {"kind": "rotor", "scene": scene(terms={"shaft_bending": "off"}), "speeds_rpm": [12000]})
+    known = [mode["frequency_hz"] for mode in linear["operating"]["modes"]]
+    found = [mode["frequency_hz"] for mode in lowest[1]]
+    verdict(status == 200 and all(abs(one / other - 1) < 1e-4 for one, other in zip(found, known)), f"rigid motions {found} and {known} Hz")
+    # Within a tolerance, terms with smaller bounds are left out, and the deviation from the complete machine is stated.
+    stout = scene(shaft={"sections": [{"length_mm": 300, "outer_diameter_mm": 60}], "unbalances": [{"at_mm": 150, "unbalance_g_mm": 20}]}, preloads=[])
+    run = result(running, job(duration=0.1, scene=stout, solver={"model_tolerance_db": 0.5}), "machine")
+    judged = [one["term"] for one in run["model"]["left_out"] if one["by"] == "judgement" and one.get("unit") == "dB"]
+    deviations = run["accuracy"]["model_errors_db"].values()
+    verdict("tilt" in judged and max(deviations) <= 0.5, f"on {run['model']['rung']} without {judged}: {max(deviations):.3f} dB")
+    status, _, plan = running.request("POST", "/v1/machine/resolve", job(scene=stout, solver={"model_tolerance_db": 0.5}))
+    verdict(status == 200 and judged == [one["term"] for one in plan["left_out"]], f"the plan names them: {plan.get('left_out')}")
 
 
 def case_open_side(running):

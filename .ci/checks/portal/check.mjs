@@ -862,8 +862,12 @@ async function rigidSpindle(page) {
   await page.locator('summary', { hasText: /^Run in time$/ }).click();
   await of('/duration_s').fill('0.02');
   await of('/settle_s').fill('0.01');
+  await page.locator('#shaft-fields summary', { hasText: /^Terms$/ }).click();
+  await of('/scene/terms/tilt').selectOption('off');
   await page.locator('#shaft-run').click();
   await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 300000 });
+  await page.locator('#panel-shaft summary', { hasText: 'Omitted terms: 1' }).click();
+  assert.match(await page.locator('#panel-shaft table', { hasText: 'terms.tilt' }).locator('tbody tr').textContent(), /convention.* dB$/);
   await noLeftovers(page);
   await page.reload();
   await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle"]').waitFor();

@@ -175,6 +175,7 @@ impl OuterRingInput {
         Seat::Elastic {
             mass,
             inertia: mass * ring(bearing).squares,
+            polar: mass * ring(bearing).polar_squares,
             stiffness: diagonal([axial, radial, radial, tilt, tilt]),
             damping: diagonal([damping[0], damping[1], damping[1], of_tilt, of_tilt]),
         }
@@ -226,6 +227,8 @@ struct Ring {
     mass: f64,
     /// Moment of inertia about a diameter over the mass [m²].
     squares: f64,
+    /// About the axis.
+    polar_squares: f64,
 }
 
 fn ring(bearing: &Bearing) -> Ring {
@@ -235,5 +238,6 @@ fn ring(bearing: &Bearing) -> Ring {
     Ring {
         mass: shape.raceway_material.outer.density * shape.width * PI / 4.0 * (outer - inner).max(0.0),
         squares: (outer + inner) / 16.0 + shape.width.powi(2) / 12.0,
+        polar_squares: (outer + inner) / 8.0,
     }
 }

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 use super::housing::{HousingInput, PartInput};
 use super::loads::{LoadInput, LoadedBody};
 use super::operation::{SPEED, SpeedInput, outer_speed};
-use super::rotor_bearings::{self, PreloadInput, RotorBearingInput};
+use super::rotor_bearings::{self, PreloadInput, ResolvedBearing, RotorBearingInput};
 use super::scene_input::ResolvedScene;
 use super::sensor::{self, SensorInput};
 use super::shaft::{ElementsName, ShaftInput};
@@ -21,7 +21,7 @@ use raceway_core::machine::omission::{OmittedTerm, SystemTerms};
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::operation::SpeedProfile;
-use raceway_core::rotor::input::{Elements, Rotor};
+use raceway_core::rotor::input::{Elements, Rotor, Seat};
 use raceway_core::rotor::omission::SystemTerm;
 use raceway_core::rotor::sensor::Sensor;
 use raceway_core::simulation::model::terms::Justification;
@@ -77,7 +77,8 @@ pub struct RotorSceneInput {
 pub struct RotorOperationInput {
     /// Speed, at least 0. A `rotor` job takes the highest of a profile as its operating speed; a `machine` job starts with the first.
     pub speed_rpm: SpeedInput,
-    /// Speed of every outer ring about its axis, positive in the direction of `speed_rpm`. Default 0: they stand. A `rotor` job takes the speeds
+    /// Speed of every outer ring about its axis, positive in the direction of `speed_rpm`. Default 0: they stand. Rings on a part of the housing do not
+    /// turn; elastic seats turn along, at a constant speed. A `rotor` job takes the speeds
     /// at which inner and outer rings turn fastest relative to each other, and the outer one at every shaft speed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -197,10 +198,7 @@ impl RotorSceneInput {
             }
         }
         let (supports, mut bearings) = (supports.unwrap_or_default(), bearings.unwrap_or_default());
-        if outer_speed.largest() != 0.0 && bearings.iter().any(|bearing| bearing.rotor.has_moving_outer_ring()) {
-            let detail = "not supported yet for outer rings that move: give rigid seats on the ground";
-            defaults.refuse(format!("{OPERATION}/outer_speed_rpm"), detail);
-        }
+        refuse_turning_seats(&outer_speed, &bearings, defaults);
         let inputs = self.bearings.as_deref().unwrap_or_default();
         if self.shaft.is_none() && inputs.is_empty() {
             defaults.refuse("/scene/shaft", "required, or `bearings` on a rigid spindle");
@@ -240,6 +238,25 @@ impl RotorSceneInput {
             elements,
             scenes,
             sensors,
+        }
+    }
+}
+
+/// Refuses outer rings that turn where what carries them cannot turn along.
+fn refuse_turning_seats(speed: &SpeedProfile, bearings: &[ResolvedBearing], defaults: &mut Defaults) {
+    if speed.largest() == 0.0 {
+        return;
+    }
+    for (index, bearing) in bearings.iter().enumerate() {
+        let at = format!("/scene/bearings/{index}/outer_ring");
+        if bearing.rotor.on.is_some() {
+            let detail = "a part of the housing does not turn with the ring (operation.outer_speed_rpm): leave it out";
+            defaults.refuse(format!("{at}/on"), detail);
+        }
+        if matches!(bearing.rotor.seat, Seat::Elastic { .. }) && !speed.is_constant() {
+            let detail =
+                "an elastic seat turns with its ring at a constant speed: give operation.outer_speed_rpm as one number";
+            defaults.refuse(format!("{at}/seat"), detail);
         }
     }
 }

@@ -262,6 +262,41 @@ fn terms_of_shaft_and_housing_are_switched() {
     assert!(errors.iter().any(|(_, text)| text.contains("leave a rigid motion of the shaft free")), "{errors:?}");
 }
 
+/// Outer rings turn in rigid, sliding and elastic seats on the ground, the last ones at a constant speed; none turns on a body.
+#[test]
+fn outer_rings_turn_in_seats_on_the_ground() {
+    let with = |ring: Value, speed: Value| {
+        let mut job = machine("machine", json!({}));
+        let scene = job["scene"].as_object_mut().unwrap();
+        scene.remove("preloads");
+        scene["bearings"][1]["outer_ring"] = ring;
+        scene["operation"]["outer_speed_rpm"] = speed;
+        scene.insert(
+            "housing".to_owned(),
+            json!({
+                "bodies": [{ "name": "head", "mass_kg": 8, "at_mm": 150, "inertia_kg_m2": [0.02, 0.05, 0.05] }],
+                "mounts": [{ "body": "head", "stiffness_n_per_um": [50, 20, 50], "tilt_n_m_per_mrad": [20, 20] }],
+            }),
+        );
+        parsed(&job)
+    };
+    let (sliding, elastic) = (
+        json!({ "seat": "sliding", "spring_force_n": 150 }),
+        json!({ "seat": "elastic", "stiffness_n_per_um": [200, 400] }),
+    );
+    let (constant, profile) = (json!(-2000), json!([{ "at_s": 0, "rpm": 0 }, { "at_s": 1, "rpm": 2000 }]));
+    for (ring, speed) in [(&sliding, &constant), (&sliding, &profile), (&elastic, &constant)] {
+        assert!(with(ring.clone(), speed.clone()).is_ok(), "{ring} {speed}");
+    }
+    let refused = |ring: Value, speed: &Value, pointer: &str| {
+        let errors = with(ring, speed.clone()).unwrap_err();
+        let [(at, _)] = &errors[..] else { panic!("one error: {errors:?}") };
+        assert_eq!(at, pointer);
+    };
+    refused(elastic, &profile, "/scene/bearings/1/outer_ring/seat");
+    refused(json!({ "on": "head" }), &constant, "/scene/bearings/1/outer_ring/on");
+}
+
 /// A plan has the job with its defaults, what follows of each bearing, and a time that grows with the record and the levels that may be tried.
 #[test]
 fn a_machine_is_planned_without_a_run() {

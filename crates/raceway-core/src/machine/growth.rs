@@ -3,6 +3,7 @@
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineError};
 use crate::physics::operation::SpeedProfile;
+use crate::rotor::input::RotorBearing;
 use crate::rotor::system::System;
 
 /// Largest rise of a level by growth [dB].
@@ -26,9 +27,14 @@ pub(super) fn check_growth(
     if 20.0 * std::f64::consts::LOG10_E * efolds <= ALLOWED_DB {
         return Ok(());
     }
-    let cause = match machine.rotor.shaft.rotating_share > 0.0 {
-        true => "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)",
-        false => "a support pushes it (`supports`)",
+    let cause = if machine.rotor.shaft.rotating_share > 0.0 {
+        "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)"
+    } else if machine.outer_speed.largest() > 0.0
+        && machine.rotor.bearings.iter().any(RotorBearing::has_moving_outer_ring)
+    {
+        "damping of a seat that turns with its ring drives a whirl (`outer_ring`)"
+    } else {
+        "a support pushes it (`supports`)"
     };
     Err(MachineError::Grows { rate, speeds, cause })
 }

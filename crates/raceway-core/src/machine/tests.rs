@@ -120,7 +120,7 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
     let of_part = |(index, part): (usize, &[f64])| {
         let m = dynamics.bearings[index].dynamics.mechanism();
         let mut loads = Energies { mechanism: m, elastic: 0.0 };
-        let (speed, rings) = (m.rotation.inner.at(0.0).1, dynamics.rings(index, place, velocity));
+        let (ideal, rings) = (m.rotations(time), dynamics.rings(index, place, velocity));
         dynamics.bearings[index].dynamics.rates_on_ring(
             time,
             part,
@@ -130,8 +130,7 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
         );
         let heights = (0..m.layout.balls).map(|index| {
             let ball = m.layout.ball(part, index);
-            let azimuth = m.start_azimuth(index) + m.orbit_ratio * speed * time + ball.arc / m.pitch_radius;
-            (m.pitch_radius + ball.radial) * azimuth.cos()
+            (m.pitch_radius + ball.radial) * m.azimuth(index, &ideal, ball.arc).cos()
         });
         let of_cage = if m.layout.cage { m.cage.mass * m.layout.cage(part).centre[1] } else { 0.0 };
         let weight = m.gravity * (m.ball_mass * heights.sum::<f64>() + of_cage);
@@ -142,12 +141,12 @@ fn energy(dynamics: &MachineDynamics, state: &[f64], time: f64) -> f64 {
 
 /// Kinetic energy of balls and cage [J].
 fn kinetic_energy(m: &Mechanism, part: &[f64]) -> f64 {
-    let speed = m.rotation.inner.at(0.0).1;
+    let ideal = m.rotations(0.0);
     let of_ball = |index: usize| {
         let ball = m.layout.ball(part, index);
-        let along = (m.pitch_radius + ball.radial) * (m.orbit_ratio * speed + ball.arc_velocity / m.pitch_radius);
+        let along = (m.pitch_radius + ball.radial) * m.orbit_speed(&ideal, ball.arc_velocity);
         let velocity = [ball.axial_velocity, ball.radial_velocity, along];
-        let spin = [ball.spin[0] + m.spin_ratio * speed, ball.spin[1], ball.spin[2]];
+        let spin = [ball.spin[0] + ideal.spin.speed, ball.spin[1], ball.spin[2]];
         0.5 * m.ball_mass * dot(velocity, velocity) + 0.5 * m.ball_inertia * dot(spin, spin)
     };
     let of_balls: f64 = (0..m.layout.balls).map(of_ball).sum();
@@ -155,7 +154,7 @@ fn kinetic_energy(m: &Mechanism, part: &[f64]) -> f64 {
         return of_balls;
     }
     let cage = m.layout.cage(part);
-    let spin = m.orbit_ratio * speed + cage.arc_velocity / m.pitch_radius;
+    let spin = m.orbit_speed(&ideal, cage.arc_velocity);
     let tilting = cage.tilt_rate[0].powi(2) + cage.tilt_rate[1].powi(2);
     let turning = m.cage.axial_inertia * spin * spin + m.cage.transverse_inertia * tilting;
     of_balls + 0.5 * (m.cage.mass * dot(cage.velocity, cage.velocity) + turning)

@@ -38,8 +38,9 @@ pub struct RotorBearing {
 pub enum Seat {
     /// The ring moves with its body, whose mass contains it.
     Rigid,
-    /// The ring is a body of its own on a spring and a dashpot. Mass [kg] and inertia about a diameter [kg m²].
-    Elastic { mass: f64, inertia: f64, stiffness: PortMatrix, damping: PortMatrix },
+    /// The ring is a body of its own on a spring and a dashpot. Mass [kg], inertia about a diameter and about the axis [kg m²]. A ring that turns takes
+    /// its seat along; the seat is then the same in every direction across the axis.
+    Elastic { mass: f64, inertia: f64, polar: f64, stiffness: PortMatrix, damping: PortMatrix },
     /// The ring slides along X on a spring that loads its balls, with its mass [kg] and damping [N s/m]; it moves with its body otherwise.
     Sliding { mass: f64, spring: Spring, damping: f64 },
 }

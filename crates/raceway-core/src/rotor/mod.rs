@@ -17,6 +17,7 @@ pub(crate) mod housing;
 pub(crate) mod operating;
 pub(crate) mod springs;
 pub(crate) mod system;
+mod turning_seats;
 
 mod campbell;
 mod critical;

@@ -7,6 +7,7 @@ use super::input::{MOST_SLOPE, NoEquilibrium, Rotor, RotorBearing, RotorError};
 use super::operating::{OperatingPoint, in_nalgebra, operating_point};
 use super::potential::Frame;
 use super::springs::{between_rings, springs};
+use super::turning_seats;
 use crate::numerics::quadratic_eigen::{FreeMotion, Oscillation};
 use crate::physics::frame::mesh::Mesh;
 
@@ -85,6 +86,7 @@ impl System {
             damping += port.over_coordinates(&port.damping[0]);
             linear.push(port);
         }
+        turning_seats::add(rotor, &coordinates.housing, [&mut stiffness, &mut damping]);
         let bearings = (0..rotor.bearings.len()).map(|index| Port {
             rows: between_rings(rotor, index, shaft, &coordinates.housing, 0.0),
             stiffness: Vec::new(),

@@ -4,6 +4,7 @@ use super::*;
 use crate::physics::frame::housing::{Body, Mount};
 use crate::physics::frame::structure::{Structure, StructureMatrices};
 use crate::physics::frame::support::{PORT, diagonal};
+use crate::physics::kinematics::RingSpeeds;
 use crate::physics::statics::shaft::Spring;
 
 /// Both bearings in a body off their middle.
@@ -25,12 +26,19 @@ pub(super) fn in_body(mut machine: Machine, stiffness: [f64; 5], damping: f64) -
 }
 
 /// The first bearing in an elastic seat, the second in a sliding one in place of the rigid preload.
-fn in_seats(mut machine: Machine) -> Machine {
+pub(super) fn in_seats(mut machine: Machine) -> Machine {
     let [one, other] = &mut machine.rotor.bearings[..] else { panic!() };
     (one.mounted.outer, other.mounted.outer) = ([0.0; 5], [0.0; 5]);
     let stiffness = diagonal([1.5e8, 1e8, 1e8, 2e4, 2e4]);
-    one.seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, stiffness, damping: diagonal([0.0; 5]) };
+    one.seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, polar: 6e-5, stiffness, damping: diagonal([0.0; 5]) };
     other.seat = Seat::Sliding { mass: 0.06, spring: Spring { force: 200.0, stiffness: 5e4 }, damping: 0.0 };
+    machine
+}
+
+/// The machine with outer rings that turn [rad/s].
+pub(super) fn turning(mut machine: Machine, speed: f64) -> Machine {
+    machine.outer_speed = SpeedProfile::constant(speed).unwrap();
+    machine.rotor = machine.rotor.at_speeds(RingSpeeds { inner: machine.speed.at(0.0).1, outer: speed });
     machine
 }
 
@@ -55,30 +63,37 @@ fn the_housing_gains_what_the_bearings_lose() {
     machine.rotor.unbalances.clear();
     is_kept(&in_body(machine.clone(), MOUNTS, 0.0));
     is_kept(&in_seats(machine.clone()));
-    is_kept(&in_seats(in_body(machine, MOUNTS, 0.0)));
+    is_kept(&in_seats(in_body(machine.clone(), MOUNTS, 0.0)));
+    is_kept(&turning(in_seats(machine), 300.0));
 }
 
 /// Slow vibration of shaft, balls, rings and a body is that of the linear analysis, to 0.1 %.
 #[test]
 fn slow_vibration_with_a_housing_is_that_of_the_linear_analysis() {
-    for machine in [in_body(conservative(), MOUNTS, 0.0), in_seats(in_body(conservative(), MOUNTS, 0.0))] {
+    let turned = turning(in_seats(conservative()), 300.0);
+    for machine in [in_body(conservative(), MOUNTS, 0.0), in_seats(in_body(conservative(), MOUNTS, 0.0)), turned] {
         let deviation = deviation_of_frequencies(standing(machine), 14, 4);
         assert!(deviation < 1e-3, "{deviation:e}");
     }
 }
 
-/// Very stiff mounts, and a very stiff seat, are the ground.
+fn in_stiff_seats(mut machine: Machine) -> Machine {
+    for bearing in &mut machine.rotor.bearings {
+        let (stiffness, damping) = (diagonal([1e12, 1e12, 1e12, 1e9, 1e9]), diagonal([10.0; 5]));
+        bearing.seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, polar: 6e-5, stiffness, damping };
+    }
+    machine
+}
+
+/// Very stiff mounts, and a very stiff seat, are the ground, also where outer rings turn.
 #[test]
 fn stiff_mounts_and_seats_are_the_ground() {
     let ground = motor_spindle();
-    let expected = after(&ground, 1e-3, 5e-6);
-    let mut seats = ground.clone();
-    for bearing in &mut seats.rotor.bearings {
-        let stiffness = diagonal([1e12, 1e12, 1e12, 1e9, 1e9]);
-        bearing.seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, stiffness, damping: diagonal([10.0; 5]) };
-    }
-    for machine in [in_body(ground, [1e12, 1e12, 1e12, 1e11, 1e11], 300.0), seats] {
-        let found = after(&machine, 1e-3, 5e-6);
+    let turned = turning(ground.clone(), -300.0);
+    let stiff = in_body(ground.clone(), [1e12, 1e12, 1e12, 1e11, 1e11], 300.0);
+    let seats = in_stiff_seats(ground.clone());
+    for (machine, ground) in [(stiff, &ground), (seats, &ground), (in_stiff_seats(turned.clone()), &turned)] {
+        let (found, expected) = (after(&machine, 1e-3, 5e-6), after(ground, 1e-3, 5e-6));
         for (found, expected) in found.iter().flatten().zip(expected.iter().flatten()) {
             assert!((found - expected).abs() < 2e-9, "{found:e} {expected:e}");
         }

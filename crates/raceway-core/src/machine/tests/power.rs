@@ -1,5 +1,6 @@
 //! Balance of powers at one instant: what the drives, weights and dampers supply and the contacts take is the rate of the energy.
 
+use super::housing::{in_seats, turning};
 use super::*;
 use crate::physics::bearing::PerRaceway;
 use crate::physics::frames::{Azimuth, Tilt, Vector, add, cross, length, scale, subtract};
@@ -86,7 +87,13 @@ fn add_bearing(
     let tilting = add([0.0, ring.tilt_rate[0], 0.0], scale(ring.tilt_rate[1], z));
     let inner =
         Moving { at: add(ring.position, [m.axial_offset, 0.0, 0.0]), velocity: ring.velocity, turning: tilting };
-    let outer = Moving { at: [0.0; 3], velocity: [0.0; 3], turning: [0.0; 3] };
+    let outer_ring = rings.outer.unwrap_or_default();
+    let [outer_axis, _, outer_z] = Tilt::new(outer_ring.tilt[0], outer_ring.tilt[1]).columns;
+    let outer = Moving {
+        at: outer_ring.position,
+        velocity: outer_ring.velocity,
+        turning: add([0.0, outer_ring.tilt_rate[0], 0.0], scale(outer_ring.tilt_rate[1], outer_z)),
+    };
     let (cage, cage_rates) = (m.layout.cage(part), m.layout.cage(rates));
     let cage_tilt = Tilt::new(cage.tilt[0], cage.tilt[1]);
     let spin = m.orbit_speed(&ideal, cage.arc_velocity);
@@ -122,7 +129,7 @@ fn add_bearing(
         }
         for (load, held, about, speed) in [
             (&contacts.raceways.inner[ball], &inner, axis, ideal.inner.speed),
-            (&contacts.raceways.outer[ball], &outer, [1.0, 0.0, 0.0], ideal.outer.speed),
+            (&contacts.raceways.outer[ball], &outer, outer_axis, ideal.outer.speed),
         ] {
             let [force, moment] = [load.force, load.moment].map(|vector| azimuth.to_inertial(vector));
             let turned = Moving { turning: add(held.turning, scale(speed, about)), ..*held };
@@ -221,19 +228,24 @@ fn far_from_rest(start: &[f64], dynamics: &MachineDynamics, seed: u64) -> Vec<f6
 }
 
 /// At any state of a tilting, flexible shaft on two bearings that face each other, all powers sum to the rate of the energy: to 1e-12 of the
-/// largest. The rings turn against each other, cages tilt, and every force acts.
+/// largest. The rings turn against each other, cages tilt, and every force acts. Outer rings are held, or turn and move in their seats.
 #[test]
 fn powers_sum_to_the_rate_of_the_energy() {
+    powers_are_balanced(|machine| machine);
+    powers_are_balanced(in_seats);
+}
+
+fn powers_are_balanced(change: impl Fn(Machine) -> Machine) {
     let mut machine = motor_spindle();
     machine.rotor.load = [60.0, 100.0, -30.0];
     machine.rotor.unbalances[0].at = 0.2;
     machine.rotor.shaft.discs[0].at = 0.12;
-    machine.outer_speed = SpeedProfile::constant(-2500.0 * RPM).unwrap();
     for bearing in &mut machine.bearings {
         for term in [Term::Drag, Term::Churning, Term::Hydrodynamics] {
             bearing.scene.terms.set(term, TermChoice::On);
         }
     }
+    let machine = turning(change(machine), -2500.0 * RPM);
     let (dynamics, start) = started(&machine);
     for seed in 1..=20 {
         let state = far_from_rest(&start, &dynamics, seed);

@@ -179,6 +179,11 @@ impl RingBearing {
         Self { outer_speed, ..self }
     }
 
+    /// Speed of the outer ring [rad/s].
+    pub fn outer_speed(&self) -> f64 {
+        self.outer_speed
+    }
+
     /// Axial displacement of the centred inner ring at which a thrust first meets the balls, A sin α₀ [m].
     pub fn axial_play(&self) -> f64 {
         self.axial_play

@@ -3,6 +3,7 @@
 use super::*;
 use crate::physics::contact::damping::DampingFactor;
 use crate::physics::frame::housing::{Body, Mount};
+use crate::physics::kinematics::RingSpeeds;
 use crate::physics::presets;
 use crate::physics::statics::RingBearing;
 use crate::physics::statics::shaft::{Faces, Mounted, Spring};
@@ -100,7 +101,7 @@ fn stiff_mounts_heavy_bodies_and_stiff_seats_are_the_ground() {
     let mut stiff = ground.clone();
     for bearing in &mut stiff.bearings {
         let (stiffness, damping) = (diagonal([1e13, 1e13, 1e13, 1e10, 1e10]), diagonal([0.0; 5]));
-        bearing.seat = Seat::Elastic { mass: 0.05, inertia: 2e-5, stiffness, damping };
+        bearing.seat = Seat::Elastic { mass: 0.05, inertia: 2e-5, polar: 4e-5, stiffness, damping };
     }
     is_ground(&stiff, 8, 0);
 }
@@ -111,6 +112,7 @@ fn a_seat_and_a_mount_in_a_row_are_one_spring() {
     let seat = |stiffness: f64, tilt: f64| Seat::Elastic {
         mass: 1e-6,
         inertia: 1e-6,
+        polar: 1e-6,
         stiffness: diagonal([stiffness, stiffness, stiffness, tilt, tilt]),
         damping: diagonal([0.0; 5]),
     };
@@ -175,7 +177,7 @@ fn a_mirror_image_has_mirrored_bodies() {
         let spring = Spring { force: 150.0, stiffness: 5e4 };
         rotor.bearings[1].seat = Seat::Sliding { mass: 0.06, spring, damping: 5.0 };
         let (stiffness, damping) = (diagonal([2e8, 1e8, 1e8, 1e5, 1e5]), diagonal([50.0; 5]));
-        rotor.bearings[0].seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, stiffness, damping };
+        rotor.bearings[0].seat = Seat::Elastic { mass: 0.06, inertia: 3e-5, polar: 6e-5, stiffness, damping };
         rotor.bearings.iter_mut().for_each(|bearing| bearing.on = Some(0));
         let body = Body { at: at(0.1), mass: 6.0, inertia: [0.02, 0.05] };
         let held = Mount { damping: diagonal([300.0; 5]), ..mount(0, at(0.2), [3e7, 2e7, 5e7, 1e5, 2e5]) };
@@ -193,6 +195,41 @@ fn a_mirror_image_has_mirrored_bodies() {
     }
     for ((one, other), sign) in one.response[1].iter().zip(other.response[1]).zip(signs) {
         assert!((one - sign * other).norm() < 1e-6 * one.norm(), "{one} {other}");
+    }
+}
+
+/// A ring that turns on its own seat, beside a shaft that it does not touch. Its tilt has the frequencies of a gyroscope on a spring,
+/// I_p Ω/2 I_t ± √((I_p Ω/2 I_t)² + k/I_t), and the damping of its seat drives a whirl above √(k/m).
+#[test]
+fn a_ring_that_turns_on_its_seat_is_a_rotor() {
+    let mut rotor = on_ball_bearings(0.0);
+    (rotor.load, rotor.gravity, rotor.shaft.is_axially_free) = ([0.0; 3], 0.0, false);
+    rotor.bearings.truncate(1);
+    rotor.supports = vec![support(0.05, [1e9; 2], 1e4), support(0.25, [1e9; 2], 1e4)];
+    rotor.shaft.damping_ratio = 0.01;
+    let (mass, inertia, polar, radial, tilt) = (0.06, 3e-5, 5e-5, 3e5, 120.0);
+    let on_seat = |speed: f64, damping: f64| {
+        let mut rotor = rotor.clone();
+        let stiffness = diagonal([radial, radial, radial, tilt, tilt]);
+        let damping = diagonal([damping, damping, damping, 1e-3 * damping, 1e-3 * damping]);
+        rotor.bearings[0].seat = Seat::Elastic { mass, inertia, polar, stiffness, damping };
+        let rotor = rotor.at_speeds(RingSpeeds { inner: 0.0, outer: speed });
+        analysed(&rotor, Elements::Auto, vec![0.0], 5)
+    };
+    let speed = 1000.0;
+    let half = 0.5 * polar * speed / inertia;
+    let whole = (half * half + tilt / inertia).sqrt();
+    let translation = (radial / mass).sqrt();
+    let mut expected = [whole - half, whole + half, translation, translation, translation];
+    expected.sort_by(f64::total_cmp);
+    let found = on_seat(speed, 0.0).operating_modes;
+    for (mode, expected) in found.iter().zip(expected) {
+        let found = mode.point.frequency;
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    }
+    for (share, grows) in [(0.0, false), (0.98, false), (1.02, true)] {
+        let rate = on_seat(share * translation, 20.0).growth_rate;
+        assert_eq!(rate > 0.0, grows, "at {share} of the frequency: {rate} 1/s");
     }
 }
 
