@@ -5,7 +5,7 @@ use utoipa::ToSchema;
 
 use super::messages;
 use crate::contract::json::numbers::significant;
-use raceway_core::machine::omission::OmittedTerm;
+use raceway_core::machine::terms::OmittedTerm;
 use raceway_core::physics::kinematics::CharacteristicFrequencies;
 use raceway_core::simulation::error::codes::Quantity;
 use raceway_core::simulation::error::errors::QuantityErrors;

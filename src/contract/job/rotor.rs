@@ -1,6 +1,6 @@
 //! A rotor job: natural frequencies, critical speeds and responses of a shaft on its supports.
 
-use raceway_core::machine::omission::OmittedTerm;
+use raceway_core::machine::terms::OmittedTerm;
 use raceway_core::physics::operation::RingRotation;
 use raceway_core::rotor::input::{Request, Rotor};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};

@@ -17,7 +17,7 @@ use super::supports::{self, SupportInput};
 use super::system_terms::{SystemTermsInput, check_sensors};
 use crate::contract::json::defaults::Defaults;
 use crate::contract::json::shapes::{object, optional_list, optional_object};
-use raceway_core::machine::omission::{OmittedTerm, SystemTerms};
+use raceway_core::machine::terms::{OmittedTerm, SystemTerms};
 use raceway_core::physics::defaults::GRAVITY;
 use raceway_core::physics::limits::MOST_POINTS;
 use raceway_core::physics::operation::SpeedProfile;

@@ -1,6 +1,6 @@
 //! Terms of the system around the bearings that a scene switches on or off.
 
-use raceway_core::machine::omission::SystemTerms;
+use raceway_core::machine::terms::SystemTerms;
 use raceway_core::rotor::omission::SystemTerm;
 use raceway_core::rotor::sensor::{Part, Sensor};
 use serde::{Deserialize, Serialize};

@@ -3,9 +3,10 @@
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing, MachineError};
 use super::level::{LevelChoice, ReducedLevel};
-use super::omission::{OmittedTerm, omitted};
+use super::omission::omitted;
 use super::run::{first_step, settling_time, times};
 use super::settings::MachineSettings;
+use super::terms::OmittedTerm;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::settings::Outputs;
 use crate::simulation::model::terms::ActiveTerms;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::inapplicable::MachineInapplicable;
-use super::omission::SystemTerms;
+use super::terms::SystemTerms;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::statics::MAX_RELATIVE_DEPTH;
 use crate::rotor::input::{Rotor, RotorError};

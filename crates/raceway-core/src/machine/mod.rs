@@ -8,10 +8,10 @@ pub mod codes;
 pub mod cost;
 pub mod inapplicable;
 pub mod input;
-pub mod omission;
 pub mod result;
 pub mod run;
 pub mod simulate;
+pub mod terms;
 
 pub mod mode_precision;
 pub mod settings;
@@ -24,6 +24,7 @@ pub mod padded;
 pub mod start;
 
 mod growth;
+mod omission;
 
 pub(crate) mod bearing_stepper;
 mod port;
