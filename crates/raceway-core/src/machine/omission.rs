@@ -5,6 +5,7 @@ use super::frame::mesh;
 use super::input::{Machine, MachineError};
 use super::settings::MachineSettings;
 use super::terms::OmittedTerm;
+use crate::rotor::input::Rotor;
 use crate::rotor::level_change::Responses;
 use crate::rotor::omission::SystemTerm;
 use crate::simulation::input::scene::TermChoice;
@@ -36,21 +37,21 @@ pub(super) fn omitted(
     if candidates.peek().is_none() {
         return Ok(Vec::new());
     }
-    let (mesh, count) = mesh(complete, &machine.sensors, settings.range, stop)?;
-    let responses = |rotor| Responses::of(&rotor, &machine.sensors, mesh.clone(), count, machine.speed.largest());
-    let of_complete = responses(complete.clone());
-    let of_rotor = machine.complete.as_ref().map_or_else(|| of_complete.clone(), |_| responses(machine.rotor.clone()));
+    let (sensors, speed) = (&machine.sensors, machine.speed.largest());
+    let on_mesh = mesh(complete, sensors, settings.range, stop)?;
+    let responses = |rotor: &Rotor| {
+        Responses::of(rotor, sensors, on_mesh.clone(), speed, stop).map_err(|_| MachineError::Stopped(0.0))
+    };
+    let of_complete = responses(complete)?;
+    let of_rotor = if machine.complete.is_some() { responses(&machine.rotor)? } else { of_complete.clone() };
     let mut omitted = Vec::new();
     for term in candidates {
-        if stop() {
-            return Err(MachineError::Stopped(0.0));
-        }
         let (by, rotor, with) = match machine.terms.of(term) {
             TermChoice::Off => (Justification::Convention, complete, &of_complete),
             _ => (Justification::Judgement, &machine.rotor, &of_rotor),
         };
-        let change =
-            with.as_ref().zip(responses(rotor.clone().without(term))).map(|(with, without)| with.change(&without));
+        let without = responses(&rotor.clone().without(term))?;
+        let change = with.as_ref().zip(without).map(|(with, without)| with.change(&without));
         let change_db = change.filter(|change| change.is_finite());
         let is_small = || change_db.zip(tolerance_db).is_some_and(|(change, tolerance)| change <= tolerance);
         if by == Justification::Convention || is_small() {

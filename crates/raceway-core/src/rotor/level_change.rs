@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::input::Rotor;
+use super::input::{Rotor, RotorError};
 use super::sensor::Sensor;
 use super::system::System;
 use crate::numerics::transfer::TransferFunction;
@@ -33,9 +33,15 @@ pub struct Responses {
 
 impl Responses {
     /// Forces act between the rings of each bearing, and on every other place of the shaft where something acts. `None` without an equilibrium at
-    /// the speed [rad/s].
-    pub fn of(rotor: &Rotor, sensors: &[Sensor], mesh: Mesh, count: usize, speed: f64) -> Option<Self> {
-        let system = System::of(rotor, mesh, count, &[speed]).ok()?;
+    /// the speed [rad/s], and without forces or places. `stop` is polled at each frequency; the error is that it ended the analysis.
+    pub fn of(
+        rotor: &Rotor,
+        sensors: &[Sensor],
+        (mesh, count): (Mesh, usize),
+        speed: f64,
+        stop: &dyn Fn() -> bool,
+    ) -> Result<Option<Self>, RotorError> {
+        let Ok(system) = System::of(rotor, mesh, count, &[speed]) else { return Ok(None) };
         let coordinates = &system.coordinates;
         let along = |rows: &DMatrix<f64>| rows.rows(0, DIRECTIONS).into_owned();
         let of_shaft = |at: f64| along(&coordinates.port(coordinates.mesh.node(at)));
@@ -52,9 +58,11 @@ impl Responses {
         });
         let places = places.collect();
         let (stiffness, damping) = system.matrices(speed);
-        let transfer =
-            TransferFunction::of([&stiffness, &damping], &stacked(&inputs)?.transpose(), &stacked(&outputs)?);
-        Some(Self { places, displacements: (0..BANDS).flat_map(frequencies).map(|at| transfer.at(at)).collect() })
+        let (Some(inputs), Some(outputs)) = (stacked(&inputs), stacked(&outputs)) else { return Ok(None) };
+        let transfer = TransferFunction::of([&stiffness, &damping], &inputs.transpose(), &outputs);
+        let at = |frequency| if stop() { Err(RotorError::Stopped) } else { Ok(transfer.at(frequency)) };
+        let displacements = (0..BANDS).flat_map(frequencies).map(at).collect::<Result<_, _>>()?;
+        Ok(Some(Self { places, displacements }))
     }
 
     /// The largest change of the vibration of a place, all directions together, under a force of any direction, in any third of an octave [dB].
