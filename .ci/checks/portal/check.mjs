@@ -146,6 +146,7 @@ function titles(title) {
   assert.equal(shaft({}), start);
   assert.equal(shaft({ preloads: [{ between: ['A', 'B'], force_n: 200 }] }, { lubricant: 'oil' }), `${start} · preload 200 N · oil`);
   assert.equal(shaft({ preloads: [{ between: ['A', 'B'], offset_um: 5 }] }), `${start} · preload 5 µm`);
+  assert.equal(shaft({ terms: { shaft_bending: 'off', tilt: 'auto', housing: 'off' } }), `${start} · without shaft bending, housing`);
   assert.equal(shaft({}, { outer_ring: { seat: 'sliding', spring_force_n: 150 }, lubricant: {} }), `${start} · spring 150 N · grease`);
 }
 

@@ -139,9 +139,22 @@ function shaftTitle(scene) {
   const names = bearings.map(({ name, bearing }) => [name, typeof bearing === 'string' ? bearing : bearing?.preset].filter(Boolean).join('\u00a0'));
   const on = [...names, supports.length && `${supports.length} supports`].filter(Boolean).join(', ');
   const lubricants = unique(bearings.map(({ lubricant }) => lubricantTitle(lubricant)).filter(Boolean)).join(', ');
-  return [shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle', on && `on ${on}`, speedOf(operation), preloadTitle(scene), lubricants]
+  return [
+    shaft ? `Shaft ${quantity(length, 'mm')}` : 'Rigid spindle',
+    on && `on ${on}`,
+    speedOf(operation),
+    preloadTitle(scene),
+    lubricants,
+    termsTitle(scene.terms),
+  ]
     .filter(Boolean)
     .join(' · ');
+}
+
+/** Terms that are switched off. */
+function termsTitle(terms = {}) {
+  const off = Object.keys(terms).filter((name) => terms[name] === 'off');
+  return off.length > 0 && `without ${off.map(words).join(', ')}`;
 }
 
 /** A one-line title of a request. */
@@ -159,6 +172,7 @@ export function title(request) {
     spindle.balance_grade && `G\u00a0${number(spindle.balance_grade)}`,
     lubricantTitle(lubricant),
     surfaces && surfacesTitle(surfaces),
+    termsTitle(scene.terms),
   ];
   const field = ({ path, quantity: derived }) => words((path ?? derived ?? '').split('/').pop().replace(UNIT, ''));
   const varied = axes.map((axis) => `over ${field(axis)}`);
