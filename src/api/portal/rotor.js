@@ -1,7 +1,8 @@
 // The analysis of a rotor: natural motions, Campbell diagram, mode shapes, response to unbalance, deflection and forces at rest.
 
 import { Chart } from './chart.js';
-import { h, s, table } from './dom.js';
+import { leftOut } from './derived.js';
+import { h, more, s, table } from './dom.js';
 import { number, quantity } from './format.js';
 import { messageList } from './messages.js';
 import { lengthOf, listAt, sectionsOf } from './shaft-request.js';
@@ -41,6 +42,7 @@ export class RotorView {
     this.shape = h('div', { class: 'shape' });
     this.shapeText = h('figcaption', { 'aria-live': 'polite' });
     this.forces = h('div', {});
+    this.omitted = h('div', {});
     const figure = (title, ...content) => h('section', {}, h('h3', {}, title), h('figure', {}, content));
     this.element = h(
       'div',
@@ -64,6 +66,7 @@ export class RotorView {
         figure('Deflection at rest', this.deflection.element, h('figcaption', {}, 'Under weight and loads; +y down.')),
       ),
       this.forces,
+      this.omitted,
     );
     new ResizeObserver(() => {
       if (this.answer && this.shape.clientWidth !== this.shapeWidth) this.#drawShape();
@@ -106,7 +109,8 @@ export class RotorView {
   #summary() {
     const { answer } = this;
     const { operating, criticals } = answer;
-    const forward = criticals.find(({ whirl }) => whirl === 'forward');
+    // Unbalance excites no backward motion, and those in a plane by half.
+    const excited = criticals.find(({ whirl }) => whirl === 'forward' || whirl === 'none');
     const most = Math.max(...answer.static.y_um.map(Math.abs));
     const figure = (name, value, more) =>
       h('div', {}, h('dt', {}, name), h('dd', {}, h('b', {}, value), more && h('small', {}, more)));
@@ -117,9 +121,9 @@ export class RotorView {
         WHIRLS[operating.modes[0]?.whirl]?.[1],
       ),
       figure(
-        'First forward critical speed',
-        forward ? quantity(Math.round(forward.speed_rpm), 'r/min', 5) : 'none',
-        forward ? null : `up to ${quantity(answer.speeds_rpm.at(-1), 'r/min', 5)}`,
+        'First critical speed, not backward',
+        excited ? quantity(Math.round(excited.speed_rpm), 'r/min', 5) : 'none',
+        excited ? WHIRLS[excited.whirl][1] : `up to ${quantity(answer.speeds_rpm.at(-1), 'r/min', 5)}`,
       ),
       figure(
         operating.is_stable ? 'Stable' : 'Unstable',
@@ -129,6 +133,8 @@ export class RotorView {
       figure('Mass', quantity(answer.mass_kg, 'kg', 4)),
       figure('Largest deflection y', quantity(most, 'µm', 3)),
     );
+    const omitted = answer.model.left_out ?? [];
+    this.omitted.replaceChildren(omitted.length > 0 ? more(`Omitted terms: ${omitted.length}`, leftOut(omitted)) : '');
   }
 
   #list() {

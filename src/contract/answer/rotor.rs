@@ -82,7 +82,7 @@ pub struct ModeCourseAnswer {
     pub forward_share: Vec<f64>,
 }
 
-/// `forward`: with the rotation. `backward`: against it. `none`: in a plane, at rest. `axial`: more than half of the kinetic energy is
+/// `forward`: with the rotation. `backward`: against it. `none`: in a plane, as all are at rest. `axial`: more than half of the kinetic energy is
 /// along X.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]

@@ -3,6 +3,7 @@
 use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::Machine;
 use raceway_core::machine::mode_precision::ModePlan;
+use raceway_core::physics::frame::shaft::ShaftMotion;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
@@ -109,6 +110,9 @@ impl ModeComparison {
         if input.reuse == Some(true) {
             let detail = "a job of kind `accuracy` measures run time: its result is never reused";
             defaults.refuse("/reuse", detail);
+        }
+        if draft.resolved.rotor.shaft.motion != ShaftMotion::Bends {
+            defaults.refuse("/scene/terms/shaft_bending", "`off` leaves no modes to compare");
         }
         let machine = machine(&mut input.scene, &draft.resolved, defaults);
         let plan = plan(input, machine.as_ref(), defaults);

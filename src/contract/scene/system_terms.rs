@@ -11,8 +11,8 @@ use crate::contract::json::defaults::Defaults;
 
 const POINTER: &str = "/scene/terms";
 
-/// A choice for each term of the system around the bearings. `on`: always included. `off`: never; `left_out` of the result bounds the change of the
-/// vibration by the linear analysis. `auto`, the default: included, unless `solver.model_tolerance_db` of a `machine` job is above 0 and that
+/// A choice for each term of the system around the bearings. `on`: always included. `off`: never; `left_out` of the result bounds the change of a
+/// place, all directions together, by the linear analysis. `auto`, the default: included, unless `solver.model_tolerance_db` of a `machine` job is above 0 and that
 /// bound is no larger.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

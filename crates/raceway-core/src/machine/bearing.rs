@@ -31,6 +31,8 @@ pub struct BearingOnShaft {
     pub reduced: Option<ReducedBearing>,
     /// Its facing, and the place of its outer ring at rest, to which its state refers.
     pub mounted: Mounted,
+    /// Whether its moments act on shaft and housing.
+    pub has_moments: bool,
     /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
     pub outer_rest: Option<[f64; 5]>,
     /// Largest load of the shaft on it by the linear analysis [N].
@@ -156,9 +158,13 @@ impl BearingOnShaft {
         (depth > MAX_RELATIVE_DEPTH).then(|| Loss::TooDeep { bearing: name.to_owned(), load, depth })
     }
 
-    /// Forces and moments of a ring on shaft or housing.
+    /// Forces and moments of a ring on shaft or housing; a hinge has no moments.
     pub(crate) fn on_shaft(&self, load: &RingLoad) -> [f64; 5] {
-        self.mounted.wrench_on_shaft(&load.wrench())
+        let mut wrench = self.mounted.wrench_on_shaft(&load.wrench());
+        if !self.has_moments {
+            wrench[3..].fill(0.0);
+        }
+        wrench
     }
 }
 
@@ -199,6 +205,7 @@ pub(super) fn bearings(machine: &Machine, frame: &Frame) -> Result<Vec<BearingOn
             reduced: None,
             largest_load,
             mounted,
+            has_moments: placed.has_moments,
             outer_rest,
             surface_warnings,
         });

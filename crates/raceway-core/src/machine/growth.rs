@@ -29,10 +29,8 @@ pub(super) fn check_growth(
     }
     let cause = if machine.rotor.shaft.rotating_share > 0.0 {
         "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)"
-    } else if machine.outer_speed.largest() > 0.0
-        && machine.rotor.bearings.iter().any(RotorBearing::has_moving_outer_ring)
-    {
-        "damping of a seat that turns with its ring drives a whirl (`outer_ring`)"
+    } else if machine.rotor.bearings.iter().any(RotorBearing::turns_in_own_seat) {
+        "damping of a seat that turns with its ring drives a whirl (`operation.outer_speed_rpm`)"
     } else {
         "a support pushes it (`supports`)"
     };

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::housing::HousingCoordinates;
-use super::input::{PlacedLoad, Rotor, RotorError};
+use super::input::{PlacedLoad, Rotor, RotorBearing, RotorError};
 use super::sensor::{Part, Sensor};
 use crate::physics::frame::disc::Disc;
 use crate::physics::frame::mesh::{Matrices, Mesh};
@@ -23,6 +23,8 @@ pub struct Coordinates {
     /// Polar inertia over the shapes of a plane.
     pub polar: DMatrix<f64>,
     pub housing: HousingCoordinates,
+    /// Whether something acts against the rotation otherwise than with it: gyroscopic moments, or damping that turns along.
+    pub has_sense: bool,
 }
 
 impl Coordinates {
@@ -51,7 +53,9 @@ impl Coordinates {
             polar.fill(0.0);
         }
         let of_shaft = axial.as_ref().map_or(0, FreeModes::len) + 2 * bending.len();
-        Ok(Self { mesh, axial, bending, is_rigid, polar, housing: HousingCoordinates::of(rotor, of_shaft) })
+        let turns_along = rotor.shaft.damping_ratio * rotor.shaft.rotating_share > 0.0;
+        let has_sense = polar.amax() > 0.0 || turns_along || rotor.bearings.iter().any(RotorBearing::turns_in_own_seat);
+        Ok(Self { mesh, axial, bending, is_rigid, polar, housing: HousingCoordinates::of(rotor, of_shaft), has_sense })
     }
 
     pub fn len(&self) -> usize {

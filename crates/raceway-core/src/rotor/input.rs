@@ -59,6 +59,11 @@ impl RotorBearing {
         rows
     }
 
+    /// Whether its outer ring turns and takes an elastic seat along.
+    pub fn turns_in_own_seat(&self) -> bool {
+        matches!(self.seat, Seat::Elastic { .. }) && self.mounted.bearing.outer_speed() != 0.0
+    }
+
     /// Whether its outer ring moves.
     pub fn has_moving_outer_ring(&self) -> bool {
         self.on.is_some() || self.seat != Seat::Rigid

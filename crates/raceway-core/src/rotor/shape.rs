@@ -6,7 +6,11 @@ use super::coordinates::Coordinates;
 use super::result::{Direction, Mode, ModePoint};
 use crate::numerics::quadratic_eigen::Oscillation;
 
-/// Frequency, damping and direction of an oscillation at a speed [rad/s].
+/// Difference of the forward and the backward energy over both, below which rounding decides [-]. Shapes in a plane had up to 1e-12.
+const PLANAR: f64 = 1e-9;
+
+/// Frequency, damping and direction of an oscillation at a speed [rad/s]. Where nothing acts against the rotation otherwise than with it, no motion
+/// has a direction.
 ///
 /// A motion y + i z = F e^(iωt) + B e^(−iωt) has F = (Y + i Z)/2 and B = (Y* + i Z*)/2. The mass is 1 over the coordinates, so that
 /// sums of their squares are kinetic energies.
@@ -19,15 +23,15 @@ pub fn point(oscillation: &Oscillation, coordinates: &Coordinates, speed: f64) -
     let (forward, backward) = (energy(1.0), energy(-1.0));
     let axial: f64 = coordinates.axial().map(|x| vector[x].norm_sqr()).sum();
     let lateral = forward + backward;
-    let forward_share = if lateral > 0.0 { forward / lateral } else { 0.5 };
+    let is_planar = speed == 0.0 || !coordinates.has_sense || (forward - backward).abs() <= PLANAR * lateral;
     let direction = match () {
         () if axial > lateral => Direction::Axial,
-        () if speed == 0.0 => Direction::Planar,
+        () if is_planar => Direction::Planar,
         () if forward > backward => Direction::Forward,
         () => Direction::Backward,
     };
     let value = oscillation.value;
-    let forward_share = if speed == 0.0 { 0.5 } else { forward_share };
+    let forward_share = if is_planar { 0.5 } else { forward / lateral };
     ModePoint { frequency: value.im, damping_ratio: -value.re / value.norm(), direction, forward_share }
 }
 

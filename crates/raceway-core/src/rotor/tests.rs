@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::analysis::analyse;
 use super::input::{Elements, Request, Rotor};
+use super::omission::SystemTerm;
 use super::result::{Direction, RotorResult};
 use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
@@ -122,6 +123,23 @@ fn disc_in_the_middle() -> Rotor {
     let mut rotor = rotor(shaft(sections(&[(30, 0.01, 0.025, 0.0)]), vec![disc]), supports.to_vec());
     rotor.unbalances = vec![UnbalancePlane { at: 0.15, product: 20e-6, phase: 0.0 }];
     rotor
+}
+
+/// Without gyroscopic moments no motion turns with the rotation or against it. On unequal supports the bounce of a centred disc is in a plane with
+/// them, too, while it tilts forward and backward.
+#[test]
+fn motions_in_a_plane_have_no_direction() {
+    let mut rotor = disc_in_the_middle();
+    rotor.shaft.material.density = 1e-3;
+    rotor.supports = [0.04, 0.26].map(|at| support(at, [5e7, 4e7], 0.0)).to_vec();
+    let directions = |rotor: Rotor| -> Vec<Direction> {
+        let result = analysed(&rotor, Elements::Sections, vec![2000.0], 4);
+        result.modes.iter().map(|mode| mode.points[0].unwrap()).map(|point| point.direction).collect()
+    };
+    let found = directions(rotor.clone());
+    assert_eq!(found[..2], [Direction::Planar; 2], "{found:?}");
+    assert!(found.contains(&Direction::Forward) && found.contains(&Direction::Backward), "{found:?}");
+    assert_eq!(directions(rotor.without(SystemTerm::Gyroscopic)), [Direction::Planar; 4]);
 }
 
 /// Bar with a disc in the middle on two equal supports: frequencies, damping, critical speeds, unbalance response.

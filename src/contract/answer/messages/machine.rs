@@ -28,7 +28,7 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
             let shown = if is_short { time_constant_s.to_string() } else { format!("more than {LONGEST_SHOWN_S}") };
             let longest = limits::of_rotor_field("/settle_s").map_or(0.0, |limits| limits.highest);
             let remedy = if *required > longest {
-                "More damping of the shaft, or a larger load of its bearings, shortens it.".to_owned()
+                "More damping of the shaft, of mounts and seats (their tilt, too), or a larger load of the bearings shortens it.".to_owned()
             } else if *constant_speed {
                 format!("Set settle_s to {required:.2}.")
             } else {

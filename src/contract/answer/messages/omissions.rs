@@ -33,7 +33,7 @@ pub fn omission(reason: OmissionReason) -> String {
         OmissionReason::FilmNeedsViscosity => "a film needs a viscosity above 0",
         OmissionReason::NoOutput => "no output asks for it",
         OmissionReason::VibrationHardlyChanges => {
-            "by the linear analysis the vibration of no place changes by more than the bound, in any third of an octave under a force of any direction"
+            "by the linear analysis no place changes by more than the bound, all directions together, in any third of an octave under equal forces in every direction"
         }
     };
     text.to_owned()
