@@ -15,6 +15,8 @@ use raceway_core::rotor::restraint::{FreeMotion, Owner, free_motion};
 const NOT_RESTRAINED: &str = "they leave a rigid motion of the shaft free: give stiffness in y and z at two places, or tilt stiffness \
                               at one; a shaft with `axial` `free` also needs stiffness in x";
 
+const HINGES_ALONE: &str = "`off` makes hinges of the bearings, which leave a rigid motion of the shaft free: give a second bearing or a support";
+
 /// A request of a kind that has a shaft.
 pub trait ShaftRequest: DeserializeOwned {
     fn scene(&mut self) -> &mut RotorSceneInput;
@@ -65,6 +67,11 @@ fn refuse_free_motion(resolved: &ResolvedRotor, scene: &RotorSceneInput, default
     const DISPLACEMENTS: [&str; 5] = ["along x", "along y", "along z", "in its tilt about y", "in its tilt about z"];
     match free_motion(&resolved.rotor) {
         None => {}
+        Some(FreeMotion::Shaft)
+            if resolved.complete.as_ref().is_some_and(|complete| free_motion(complete).is_none()) =>
+        {
+            defaults.refuse("/scene/terms/tilt", HINGES_ALONE);
+        }
         Some(FreeMotion::Shaft) => defaults.refuse("/scene/supports", NOT_RESTRAINED),
         Some(FreeMotion::InsideStructure) => {
             let imported = scene.housing.as_ref().is_some_and(|housing| housing.modes.is_some());

@@ -36,11 +36,12 @@ pub struct OuterRingInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 50.0)]
     pub tilt_n_m_per_mrad: Option<f64>,
-    /// Damping of an elastic seat along the axis and across it [N·s/m]; of a sliding one along the axis, the second 0. Default 0.
+    /// Damping of an elastic seat along the axis and across it [N·s/m], by default a ratio of 0.005 for the ring on it; of a sliding one along the axis,
+    /// the second 0, by default 0. Without any, a very stiff seat swings on, faster than steps resolve, and has false lines.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = json!([100.0, 100.0]))]
     pub damping_n_s_per_m: Option<[f64; 2]>,
-    /// Damping of the tilt of an elastic seat [N·m·s/rad]. Default 0.
+    /// Damping of the tilt of an elastic seat [N·m·s/rad]. Default: a ratio of 0.005 for the ring on it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = 0.0)]
     pub tilt_damping_n_m_s_per_rad: Option<f64>,
@@ -105,6 +106,10 @@ pub struct OuterTiltInput {
     pub z: Option<f64>,
 }
 
+/// Default damping ratio of a ring on an elastic seat [-], as of the shaft's own modes: a stiff seat without any would swing on, faster than steps
+/// resolve.
+const DAMPING_RATIO: f64 = 0.005;
+
 /// An outer ring in SI.
 pub struct ResolvedOuterRing {
     pub pose: [f64; 5],
@@ -161,21 +166,26 @@ impl OuterRingInput {
         let spread = radial * shape.width.powi(2) / 12.0 + axial * shape.outer_diameter.powi(2) / 8.0;
         let usual = significant(N_M_PER_MRAD.to_user(spread), 6);
         let tilt = defaults.fill(format!("{at}/tilt_n_m_per_mrad"), &mut self.tilt_n_m_per_mrad, usual);
-        let damping = defaults.fill(format!("{at}/damping_n_s_per_m"), &mut self.damping_n_s_per_m, [0.0; 2]);
-        let of_tilt =
-            defaults.fill(format!("{at}/tilt_damping_n_m_s_per_rad"), &mut self.tilt_damping_n_m_s_per_rad, 0.0);
-        for index in 0..2 {
-            defaults.check_of_rotor(&format!("{pointer}/{index}"), stiffness[index]);
-            defaults.check_of_rotor(&format!("{at}/damping_n_s_per_m/{index}"), damping[index]);
+        for (index, stiffness) in stiffness.into_iter().enumerate() {
+            defaults.check_of_rotor(&format!("{pointer}/{index}"), stiffness);
         }
         defaults.check_of_rotor(&format!("{at}/tilt_n_m_per_mrad"), tilt);
-        defaults.check_of_rotor(&format!("{at}/tilt_damping_n_m_s_per_rad"), of_tilt);
-        let mass = self.mass(defaults, at, bearing);
-        let tilt = N_M_PER_MRAD.to_si(tilt);
+        let (mass, tilt) = (self.mass(defaults, at, bearing), N_M_PER_MRAD.to_si(tilt));
+        let ring = ring(bearing);
+        let inertia = mass * ring.squares;
+        let usual = |stiffness: f64, mass: f64| significant(2.0 * DAMPING_RATIO * (stiffness * mass).sqrt(), 6);
+        let of_ring = [usual(axial, mass), usual(radial, mass)];
+        let damping = defaults.fill(format!("{at}/damping_n_s_per_m"), &mut self.damping_n_s_per_m, of_ring);
+        let pointer = format!("{at}/tilt_damping_n_m_s_per_rad");
+        let of_tilt = defaults.fill(pointer.clone(), &mut self.tilt_damping_n_m_s_per_rad, usual(tilt, inertia));
+        for (index, damping) in damping.into_iter().enumerate() {
+            defaults.check_of_rotor(&format!("{at}/damping_n_s_per_m/{index}"), damping);
+        }
+        defaults.check_of_rotor(&pointer, of_tilt);
         Seat::Elastic {
             mass,
-            inertia: mass * ring(bearing).squares,
-            polar: mass * ring(bearing).polar_squares,
+            inertia,
+            polar: mass * ring.polar_squares,
             stiffness: diagonal([axial, radial, radial, tilt, tilt]),
             damping: diagonal([damping[0], damping[1], damping[1], of_tilt, of_tilt]),
         }

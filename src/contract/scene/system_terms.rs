@@ -2,7 +2,7 @@
 
 use raceway_core::machine::terms::SystemTerms;
 use raceway_core::rotor::omission::SystemTerm;
-use raceway_core::rotor::sensor::{Part, Sensor};
+use raceway_core::rotor::sensor::Sensor;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -47,12 +47,9 @@ impl SystemTermsInput {
 
 /// Refuses a housing without motion where a sensor is on it.
 pub fn check_sensors(terms: &SystemTerms, sensors: &[Sensor], defaults: &mut Defaults) {
-    let is_on_housing = |sensor: &&Sensor| {
-        [Some(sensor.on), sensor.relative_to].into_iter().flatten().any(|part| matches!(part, Part::Housing(_)))
-    };
     let is_off = terms.off().any(|term| term == SystemTerm::Housing);
-    if let Some(sensor) = sensors.iter().find(is_on_housing).filter(|_| is_off) {
-        let detail = format!("`off` leaves no motion to sensor `{}`, which is on the housing", sensor.name);
+    if let Some(sensor) = sensors.iter().find(|sensor| sensor.concerns_housing()).filter(|_| is_off) {
+        let detail = format!("`off` leaves no motion of the housing to sensor `{}`", sensor.name);
         defaults.refuse(format!("{POINTER}/{}", SystemTerm::Housing.name()), detail);
     }
 }

@@ -31,6 +31,8 @@ pub(super) fn check_growth(
         "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)"
     } else if machine.rotor.bearings.iter().any(RotorBearing::turns_in_own_seat) {
         "damping of a seat that turns with its ring drives a whirl (`operation.outer_speed_rpm`)"
+    } else if machine.rotor.supports.is_empty() {
+        "the bearings do not hold it at this speed"
     } else {
         "a support pushes it (`supports`)"
     };

@@ -2,7 +2,7 @@
 
 use super::channel::MachineChannel;
 use super::frame::mesh;
-use super::input::{Machine, MachineError};
+use super::input::{Machine, MachineError, Sensor};
 use super::settings::MachineSettings;
 use super::terms::OmittedTerm;
 use crate::rotor::input::Rotor;
@@ -11,8 +11,11 @@ use crate::rotor::omission::SystemTerm;
 use crate::simulation::input::scene::TermChoice;
 use crate::simulation::model::terms::Justification;
 
-/// Whether signals that are asked for are of a term.
-fn is_recorded(settings: &MachineSettings, term: SystemTerm) -> bool {
+/// Whether sensors, or signals that are asked for, are of a term.
+fn is_recorded(machine: &Machine, settings: &MachineSettings, term: SystemTerm) -> bool {
+    if term == SystemTerm::Housing && machine.sensors.iter().any(Sensor::concerns_housing) {
+        return true;
+    }
     settings.series.iter().any(|channel| match channel {
         MachineChannel::Body(..) => term == SystemTerm::Housing,
         MachineChannel::Tilt(..) | MachineChannel::Moment(..) => term == SystemTerm::Tilt,
@@ -30,7 +33,9 @@ pub(super) fn omitted(
     let complete = machine.complete.as_deref().unwrap_or(&machine.rotor);
     let is_candidate = |term: &SystemTerm| match machine.terms.of(*term) {
         TermChoice::Off => complete.has(*term),
-        TermChoice::Auto => tolerance_db.is_some() && machine.rotor.has(*term) && !is_recorded(settings, *term),
+        TermChoice::Auto => {
+            tolerance_db.is_some() && machine.rotor.has(*term) && !is_recorded(machine, settings, *term)
+        }
         TermChoice::On => false,
     };
     let mut candidates = SystemTerm::ALL.into_iter().filter(is_candidate).peekable();

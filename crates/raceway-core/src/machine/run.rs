@@ -269,11 +269,12 @@ pub(super) fn level_deviations(
     again: &MachineRecording,
 ) -> Vec<(MachineChannel, Option<f64>)> {
     let accelerations = || recording.signals.iter().filter(|(channel, _)| channel.is_acceleration());
-    let strongest = accelerations().map(|(_, values)| rms(values)).fold(0.0, f64::max);
+    let larger = |values: &[f64], repeated: &[f64]| rms(values).max(rms(repeated));
+    let strongest = accelerations().map(|(channel, values)| larger(values, again.of(*channel))).fold(0.0, f64::max);
     let of = |(channel, values): &(MachineChannel, Vec<f64>)| {
         let repeated = again.of(*channel);
         // Rounding makes most of a motion that is a thousandth of the strongest one.
-        if rms(values) < strongest * 10_f64.powf(-FAINT / 20.0) {
+        if larger(values, repeated) < strongest * 10_f64.powf(-FAINT / 20.0) {
             return (*channel, None);
         }
         (*channel, level_of_both(&values[..repeated.len().min(values.len())], repeated))

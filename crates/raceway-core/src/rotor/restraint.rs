@@ -6,6 +6,7 @@ use super::housing::HousingCoordinates;
 pub use super::housing::Owner;
 use super::input::Rotor;
 use super::springs::{between_rings, springs};
+use crate::physics::frame::shaft::ShaftMotion;
 use crate::physics::frame::support::PORT;
 
 /// Smallest stiffness of a motion that holds it, relative to those of the single displacements [-]: below it, rounding decides.
@@ -52,6 +53,9 @@ pub fn free_motion(rotor: &Rotor) -> Option<FreeMotion> {
         let squares = DVector::from_fn(PORT, |row, _| if row < 3 { 1.0 } else { radius * radius });
         let rows = between_rings(rotor, index, shaft, &housing, 0.0);
         stiffness += rows.transpose() * DMatrix::from_diagonal(&(squares * OF_BEARING)) * &rows;
+    }
+    if rotor.shaft.motion == ShaftMotion::Upright {
+        (stiffness[(3, 3)], stiffness[(4, 4)]) = (OF_BEARING, OF_BEARING);
     }
     let first = if rotor.shaft.is_axially_free { 0 } else { 1 };
     let size = housing.end() - first;

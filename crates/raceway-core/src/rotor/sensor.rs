@@ -28,6 +28,11 @@ impl Sensor {
         along_x * x + along_y * y + along_z * z
     }
 
+    /// Whether it measures a part of the housing, or from one.
+    pub fn concerns_housing(&self) -> bool {
+        [Some(self.on), self.relative_to].into_iter().flatten().any(|part| part != Part::Shaft)
+    }
+
     /// Whether it measures the shaft, or from it.
     pub fn concerns_shaft(&self) -> bool {
         self.on == Part::Shaft || self.relative_to == Some(Part::Shaft)

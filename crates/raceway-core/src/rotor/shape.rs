@@ -6,8 +6,8 @@ use super::coordinates::Coordinates;
 use super::result::{Direction, Mode, ModePoint};
 use crate::numerics::quadratic_eigen::Oscillation;
 
-/// Difference of the forward and the backward energy over both, below which rounding decides [-]. Shapes in a plane had up to 1e-12.
-const PLANAR: f64 = 1e-9;
+/// Difference of the forward and the backward energy over both, below which rounding decides [-]. Shapes in a plane had up to 2e-8.
+const PLANAR: f64 = 1e-6;
 
 /// Frequency, damping and direction of an oscillation at a speed [rad/s]. Where nothing acts against the rotation otherwise than with it, no motion
 /// has a direction.

@@ -4,10 +4,14 @@ use super::housing::{MOUNTS, in_body, is_kept};
 use super::levels::on_two_bearings;
 use super::*;
 use crate::machine::codes::MachineWarning;
+use crate::machine::input::Part;
 use crate::machine::level::LevelChoice;
 use crate::machine::omission::omitted;
 use crate::machine::result::MachineResult;
 use crate::machine::simulate::simulate_on;
+use crate::physics::frame::support::{Support, diagonal};
+use crate::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate};
+use crate::rotor::input::PlacedLoad;
 use crate::rotor::omission::SystemTerm;
 use crate::simulation::model::terms::Justification;
 
@@ -137,4 +141,47 @@ fn terms_within_a_tolerance_are_left_out() {
         _ => false,
     };
     assert_eq!(result.warnings.iter().filter(|warning| names_term(warning)).count(), 2);
+}
+
+/// A housing with a sensor stays, also within a tolerance that its omission would keep.
+#[test]
+fn a_housing_with_a_sensor_stays() {
+    let mut machine = in_body(on_two_bearings(), [1e12, 1e12, 1e12, 1e10, 1e10], 1e5);
+    let left_out = |machine: &Machine| -> Vec<SystemTerm> {
+        omitted(machine, &SETTINGS, Some(7.0), &|| false).unwrap().iter().map(|omitted| omitted.term).collect()
+    };
+    assert!(left_out(&machine).contains(&SystemTerm::Housing));
+    machine.sensors = vec![Sensor { on: Part::Housing(0), ..on_shaft("acc", 0.1, Axis::Y) }];
+    assert!(!left_out(&machine).contains(&SystemTerm::Housing));
+    machine.sensors = vec![Sensor { relative_to: Some(Part::Housing(0)), ..on_shaft("probe", 0.1, Axis::Y) }];
+    assert!(!left_out(&machine).contains(&SystemTerm::Housing));
+}
+
+/// A load along Y moves an overhung disc along Z by gyroscopic moments alone. Without them that direction is silent, which is a deviation from `full`.
+#[test]
+fn a_direction_that_falls_silent_is_a_deviation() {
+    let mut machine = on_two_bearings();
+    machine.bearings.clear();
+    machine.rotor.bearings.clear();
+    let support = |at| Support {
+        at,
+        on: None,
+        stiffness: diagonal([0.0, 5e7, 5e7, 0.0, 0.0]),
+        damping: diagonal([0.0, 500.0, 500.0, 0.0, 0.0]),
+    };
+    machine.rotor.supports = [0.04, 0.2].map(support).to_vec();
+    machine.rotor.unbalances.clear();
+    (machine.rotor.gravity, machine.rotor.load) = (0.0, [0.0; 3]);
+    machine.rotor.shaft.discs[0].at = 0.28;
+    machine.sensors = [Axis::Y, Axis::Z].map(|axis| on_shaft("probe", 0.28, axis)).to_vec();
+    let harmonic = Harmonic { amplitude: 50.0, rate: LoadRate::Frequency(300.0), phase: 0.0 };
+    let load = Load::Along(LoadDirection::Y, LoadCourse::Harmonic(harmonic));
+    machine.rotor.loads = vec![PlacedLoad { at: 0.28, load }];
+    let result = run(LevelChoice::Within(20.0), &machine);
+    assert!(result.omitted.is_empty() && result.level == ModelLevel::Full, "{:?}", result.omitted);
+    assert!(
+        result.warnings.iter().any(|warning| matches!(warning, MachineWarning::LevelRejected(_))),
+        "{:?}",
+        result.warnings
+    );
 }
