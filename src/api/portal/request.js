@@ -83,10 +83,10 @@ export function fromAddress() {
 /** Whether a word has the form of a job id. */
 export const isId = (word) => /^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$/.test(word);
 
-/** Only the tab of the shaft needs the request of the shaft. */
+/** A shaft that was edited stays in the address, so that a reload on another tab keeps it. */
 export function toAddress({ job, shaft, run, tab }) {
   const parameters = new URLSearchParams({ job: JSON.stringify(job) });
-  if (shaft && tab === 'shaft') parameters.set('shaft', JSON.stringify(shaft));
+  if (shaft) parameters.set('shaft', JSON.stringify(shaft));
   if (run) parameters.set('run', run);
   if (tab && tab !== 'result') parameters.set('tab', tab);
   history.replaceState(null, '', `#${parameters}`);

@@ -124,7 +124,7 @@ impl Model<'_> {
     }
 
     /// The result of the leanest model where no level deviates by more than a tolerance [dB] from this one, else of this one. Tried are the reduced
-    /// levels of a lean model, and this itself where it leaves out more than this one.
+    /// levels of a lean model, and this itself where it leaves out more than this one. One of which no level could be compared is passed over.
     fn leanest(
         &self,
         lean: &Model<'_>,
@@ -140,16 +140,17 @@ impl Model<'_> {
         for (place, level) in tried.into_iter().enumerate() {
             let part = (place as f64 * share, (place + 1) as f64 * share);
             let trial = control.part(part, |control| self.verify(lean, level, settings, &mut of_full, control));
+            let not_eligible = |reason: String| {
+                let level = level.map_or(ModelLevel::Full, ReducedLevel::level);
+                let without = lean.left_out.iter().map(|omitted| omitted.term).collect();
+                MachineWarning::LevelNotEligible { model: LeanModel { level, without }, reason }
+            };
             reasons.push(match trial {
                 Err(stopped @ MachineError::Stopped(_)) => return Err(stopped),
-                Err(error) => {
-                    let reason = match error {
-                        MachineError::NotApplicable { reason, .. } => reason.to_string(),
-                        error => error.to_string(),
-                    };
-                    let level = level.map_or(ModelLevel::Full, ReducedLevel::level);
-                    let without = lean.left_out.iter().map(|omitted| omitted.term).collect();
-                    MachineWarning::LevelNotEligible { model: LeanModel { level, without }, reason }
+                Err(MachineError::NotApplicable { reason, .. }) => not_eligible(reason.to_string()),
+                Err(error) => not_eligible(error.to_string()),
+                Ok(result) if result.accuracy.model.as_ref().is_none_or(|model| model.largest().is_none()) => {
+                    not_eligible("nothing vibrates in the time that is compared with full".to_owned())
                 }
                 Ok(mut result) => match result.beyond(tolerance_db) {
                     None => {

@@ -22,13 +22,16 @@ const FAINT: f64 = 1e-6;
 /// Directions of a force, and of the motion of a place: X, Y, Z.
 const DIRECTIONS: usize = 3;
 
+/// Displacements at one frequency: a row for each direction of a place, and three columns for each force.
+type Response = DMatrix<Complex<f64>>;
+
 /// Displacements under forces of 1 N, on linear bearings at one speed.
 #[derive(Debug, Clone)]
 pub struct Responses {
     /// Rows of each place: three of an inner ring and of a part of the housing, one of a sensor. Parts of the housing come last.
     places: Vec<Range<usize>>,
-    /// At each frequency a row for each direction of a place, and three columns for each force.
-    displacements: Vec<DMatrix<Complex<f64>>>,
+    /// At each frequency.
+    displacements: Vec<Response>,
 }
 
 impl Responses {
@@ -71,7 +74,7 @@ impl Responses {
     /// A difference of a share ρ of the motion changes its level by at most 20 lg(1 + ρ).
     pub fn change(&self, lean: &Self) -> f64 {
         let bands = self.displacements.chunks(IN_BAND as usize).zip(lean.displacements.chunks(IN_BAND as usize));
-        let of_band = |(full, lean): (&[DMatrix<Complex<f64>>], &[DMatrix<Complex<f64>>])| {
+        let of_band = |(full, lean): (&[Response], &[Response])| {
             let forces = (0..full[0].ncols()).step_by(DIRECTIONS);
             forces.map(|first| self.share(full, lean, first)).fold(0.0, f64::max)
         };
@@ -79,14 +82,12 @@ impl Responses {
     }
 
     /// The largest difference at a place over its motion, in a band under the force with this first column.
-    fn share(&self, full: &[DMatrix<Complex<f64>>], lean: &[DMatrix<Complex<f64>>], first: usize) -> f64 {
+    fn share(&self, full: &[Response], lean: &[Response], first: usize) -> f64 {
         let shared = lean[0].nrows();
         let powers = self.places.iter().filter(|place| place.end <= shared).map(|place| {
             let mut sums = [0.0; 2];
             for (weight, (full, lean)) in weights().zip(full.iter().zip(lean)) {
-                let of = |all: &DMatrix<Complex<f64>>| {
-                    all.view((place.start, first), (place.len(), DIRECTIONS)).into_owned()
-                };
+                let of = |all: &Response| all.view((place.start, first), (place.len(), DIRECTIONS)).into_owned();
                 let (full, lean) = (of(full), of(lean));
                 sums[0] += weight * full.norm_squared();
                 sums[1] += weight * (full - lean).norm_squared();
