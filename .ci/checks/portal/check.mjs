@@ -812,7 +812,7 @@ async function housing(page) {
   ok('bodies, mounts and sensors are drawn and move by keys; a new name of a body goes wherever it is named');
 
   await of('/scene/operation/outer_speed_rpm').fill('100');
-  await page.locator('#s-scene-operation-outer_speed_rpm-error', { hasText: 'outer rings that move' }).waitFor();
+  await page.locator('#s-scene-bearings-0-outer_ring-on-error', { hasText: 'does not turn' }).waitFor();
   await of('/scene/operation/outer_speed_rpm').fill('');
   await page.locator('.analysis:not(.stale)').waitFor();
   await page.locator('summary', { hasText: /^Run in time$/ }).click();
@@ -867,8 +867,8 @@ async function rigidSpindle(page) {
   await of('/scene/terms/tilt').selectOption('off');
   await page.locator('#shaft-run').click();
   await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 300000 });
-  await page.locator('#panel-shaft summary', { hasText: 'Omitted terms: 1' }).click();
-  assert.match(await page.locator('#panel-shaft table', { hasText: 'terms.tilt' }).locator('tbody tr').textContent(), /convention.* dB$/);
+  await page.locator('#panel-shaft summary:visible', { hasText: 'Omitted terms: 1' }).click();
+  assert.match(await page.locator('#panel-shaft table:visible', { hasText: 'terms.tilt' }).locator('tbody tr').textContent(), /convention.*\sdB$/);
   await noLeftovers(page);
   await page.reload();
   await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle"]').waitFor();
