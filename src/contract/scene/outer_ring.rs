@@ -173,15 +173,19 @@ impl OuterRingInput {
         let (mass, tilt) = (self.mass(defaults, at, bearing), N_M_PER_MRAD.to_si(tilt));
         let ring = ring(bearing);
         let inertia = mass * ring.squares;
-        let usual = |stiffness: f64, mass: f64| significant(2.0 * DAMPING_RATIO * (stiffness * mass).sqrt(), 6);
+        for (index, damping) in self.damping_n_s_per_m.iter().flatten().enumerate() {
+            defaults.check_of_rotor(&format!("{at}/damping_n_s_per_m/{index}"), *damping);
+        }
+        let of_tilt = format!("{at}/tilt_damping_n_m_s_per_rad");
+        if let Some(damping) = self.tilt_damping_n_m_s_per_rad {
+            defaults.check_of_rotor(&of_tilt, damping);
+        }
+        // A stiffness below 0 is refused already.
+        let critical = |stiffness: f64, mass: f64| 2.0 * (stiffness * mass).max(0.0).sqrt();
+        let usual = |stiffness: f64, mass: f64| significant(DAMPING_RATIO * critical(stiffness, mass), 6);
         let of_ring = [usual(axial, mass), usual(radial, mass)];
         let damping = defaults.fill(format!("{at}/damping_n_s_per_m"), &mut self.damping_n_s_per_m, of_ring);
-        let pointer = format!("{at}/tilt_damping_n_m_s_per_rad");
-        let of_tilt = defaults.fill(pointer.clone(), &mut self.tilt_damping_n_m_s_per_rad, usual(tilt, inertia));
-        for (index, damping) in damping.into_iter().enumerate() {
-            defaults.check_of_rotor(&format!("{at}/damping_n_s_per_m/{index}"), damping);
-        }
-        defaults.check_of_rotor(&pointer, of_tilt);
+        let of_tilt = defaults.fill(of_tilt, &mut self.tilt_damping_n_m_s_per_rad, usual(tilt, inertia));
         Seat::Elastic {
             mass,
             inertia,

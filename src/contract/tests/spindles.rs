@@ -300,6 +300,27 @@ fn outer_rings_turn_in_seats_on_the_ground() {
     refused(json!({ "on": "head" }), &constant, "/scene/bearings/1/outer_ring/on");
 }
 
+/// An elastic seat has damping by default. A stiffness that is refused causes no error of the damping that follows from it.
+#[test]
+fn elastic_seats_have_damping() {
+    let with = |ring: Value| {
+        let mut job = machine("machine", json!({}));
+        job["scene"]["bearings"][1]["outer_ring"] = ring;
+        parsed(&job)
+    };
+    let job = with(json!({ "seat": "elastic", "stiffness_n_per_um": [100, 400], "mass_kg": 0.04 })).unwrap();
+    let ring = &job.scene_json()["bearings"][1]["outer_ring"];
+    assert_eq!(ring["damping_n_s_per_m"], json!([20.0, 40.0]));
+    assert!(ring["tilt_damping_n_m_s_per_rad"].as_f64().unwrap() > 0.0);
+    for (field, wrong) in [("stiffness_n_per_um", json!([-5, 1e300])), ("tilt_n_m_per_mrad", json!(-1))] {
+        let mut ring = json!({ "seat": "elastic", "stiffness_n_per_um": [100, 400] });
+        ring[field] = wrong;
+        let errors = with(ring).unwrap_err();
+        let is_of_field = |(at, text): &(String, String)| at.contains(field) && !text.contains("NaN");
+        assert!(!errors.is_empty() && errors.iter().all(is_of_field), "{errors:?}");
+    }
+}
+
 /// A plan has the job with its defaults, what follows of each bearing, and a time that grows with the record and the levels that may be tried.
 #[test]
 fn a_machine_is_planned_without_a_run() {
