@@ -165,11 +165,13 @@ impl OuterRingInput {
         let shape = &bearing.parameters;
         let spread = radial * shape.width.powi(2) / 12.0 + axial * shape.outer_diameter.powi(2) / 8.0;
         let usual = significant(N_M_PER_MRAD.to_user(spread), 6);
+        if let Some(tilt) = self.tilt_n_m_per_mrad {
+            defaults.check_of_rotor(&format!("{at}/tilt_n_m_per_mrad"), tilt);
+        }
         let tilt = defaults.fill(format!("{at}/tilt_n_m_per_mrad"), &mut self.tilt_n_m_per_mrad, usual);
         for (index, stiffness) in stiffness.into_iter().enumerate() {
             defaults.check_of_rotor(&format!("{pointer}/{index}"), stiffness);
         }
-        defaults.check_of_rotor(&format!("{at}/tilt_n_m_per_mrad"), tilt);
         let (mass, tilt) = (self.mass(defaults, at, bearing), N_M_PER_MRAD.to_si(tilt));
         let ring = ring(bearing);
         let inertia = mass * ring.squares;
