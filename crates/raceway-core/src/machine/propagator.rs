@@ -1,6 +1,8 @@
 //! Exact steps of linear equations under inputs that are polynomials in time (exponential Adams method; M. Hochbruck & A. Ostermann,
 //! *Acta Numerica* 19 (2010) 209, §2.5).
 
+use std::f64::consts::PI;
+
 use nalgebra::DMatrix;
 
 use super::frame::Frame;
@@ -9,6 +11,9 @@ use crate::numerics::ode::phi::exponential;
 
 /// Nodes of the inputs: the new one and two before.
 pub(crate) const NODES: usize = 3;
+
+/// Least damping ratio of a motion that steps do not resolve, that of a shaft and of seats by default [-].
+const UNRESOLVED_DAMPING: f64 = 0.005;
 
 /// A step of q̈ + C q̇ + K q = B u over x = (q, q̇).
 #[derive(Debug, Clone)]
@@ -34,6 +39,7 @@ impl ExactStep {
     /// A step of shaft and housing at a speed [rad/s].
     pub fn of(frame: &Frame, speed: f64, step: f64) -> Self {
         let [stiffness, damping] = frame.matrices(speed);
+        let damping = damping + unresolved_damping(&frame.system.linear, step);
         Self::new(&stiffness, &damping, &frame.inputs, step)
     }
 
@@ -77,6 +83,24 @@ impl ExactStep {
             newest: Padded::of(&inputs[0]),
         }
     }
+}
+
+/// Damping that K and C without the factors of the speed lack for motions above half the rate of steps [s].
+///
+/// No force of a bearing or a load contains such a frequency. Undamped, the motion that a start or rounding leaves in them never ends, and its samples
+/// are those of a slow one within the band.
+fn unresolved_damping([stiffness, damping]: &[DMatrix<f64>; 2], step: f64) -> DMatrix<f64> {
+    let n = stiffness.nrows();
+    let eigen = (stiffness + stiffness.transpose()).scale(0.5).symmetric_eigen();
+    let mut sum = DMatrix::zeros(n, n);
+    for (square, motion) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        let frequency = square.max(0.0).sqrt();
+        let lacking = 2.0 * UNRESOLVED_DAMPING * frequency - motion.dot(&(damping * motion));
+        if frequency * step > PI && lacking > 0.0 {
+            sum += motion * motion.transpose() * lacking;
+        }
+    }
+    sum
 }
 
 impl Propagator {
