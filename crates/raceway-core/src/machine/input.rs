@@ -68,6 +68,14 @@ pub enum MachineError {
     /// No bearing can hold the motion any more.
     #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy())]
     Lost { time: f64, cause: Loss, steps: StepsOfLoss },
+    /// A part is so light that the shortest steps [s] do not resolve its vibration on the bearings alone [Hz].
+    #[error(
+        "{part} is too small for the stiffness of its bearings, on which it vibrates at {:.2} MHz; steps of {:.2} µs, the shortest, do not resolve \
+         that. Give a larger one (`{field}`)",
+        1e-6 * .frequency,
+        1e6 * .shortest
+    )]
+    TooLight { part: String, field: String, frequency: f64, shortest: f64 },
     /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does.
     #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
     Grows { rate: f64, speeds: [f64; 2], cause: &'static str },

@@ -31,6 +31,7 @@ mod port;
 pub(crate) mod propagator;
 mod reduced_stepper;
 mod speed_steps;
+mod stability;
 pub(crate) mod stepping;
 
 pub mod recording;

@@ -10,8 +10,8 @@ use super::equations::MachineDynamics;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
 use super::recording::{MachineRecording, Recorder};
 use super::settings::MachineSettings;
-use super::stepping::{MachineStepper, StepLength, stiffness_of_step};
-use super::warnings::MOST_STIFFNESS;
+use super::stability::{is_stable, too_light};
+use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::statistics::rms;
 use crate::physics::operation::SpeedProfile;
 use crate::simulation::error::comparison::{FAINT, level_of_both};
@@ -108,9 +108,15 @@ impl Run<'_> {
     ) -> Result<Confirmed, MachineError> {
         let mut step = StepLength { longest: selected.unwrap_or_else(|| first_step(self.dynamics)), share: 1.0 };
         let may_shorten = |step: StepLength| selected.is_none() && step.halved().full() >= SHORTEST;
-        let rejected = |step: f64, cause| {
-            let stiff_bearings = stiffness_of_step(self.dynamics, step) > MOST_STIFFNESS;
-            MachineWarning::StepRejected(RejectedStep { step, cause, stiff_bearings })
+        let is_stable = |step: StepLength| is_stable(self.dynamics, step.full());
+        let rejected = |step: StepLength, cause| {
+            let rejected = RejectedStep { step: step.full(), cause, stiff_bearings: !is_stable(step) };
+            let last = shortest(step);
+            if is_stable(last) {
+                Ok(MachineWarning::StepRejected(rejected))
+            } else {
+                Err(too_light(self.machine, self.dynamics, last.full()))
+            }
         };
         let (mut rejections, mut work, mut last_error) = (Vec::new(), Work::default(), None);
         let mut done = 0.0;
@@ -133,7 +139,7 @@ impl Run<'_> {
             });
             let (recording, again, errors) = match recorded {
                 Err(Unrecorded::Lost { time, cause }) if may_shorten(step) => {
-                    rejections.push(rejected(step.full(), StepCause::Lost { time, loss: cause }));
+                    rejections.push(rejected(step, StepCause::Lost { time, loss: cause })?);
                     step = step.halved();
                     continue;
                 }
@@ -145,11 +151,11 @@ impl Run<'_> {
             };
             let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
             let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
-            // The error of a regular motion falls with the square of the step.
-            let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last);
+            // The error of a regular motion falls with the square of a stable step.
+            let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last) || !is_stable(step);
             let is_large = |error: f64| error > ALLOWED_DB && falls && may_shorten(step);
             if let Some((channel, error_db)) = worst.filter(|(_, error)| is_large(*error)) {
-                rejections.push(rejected(step.full(), StepCause::Deviation { channel, error_db }));
+                rejections.push(rejected(step, StepCause::Deviation { channel, error_db })?);
                 last_error = Some(error_db);
                 step = step.halved();
                 continue;
@@ -247,8 +253,16 @@ pub(super) fn first_step(dynamics: &MachineDynamics) -> f64 {
         m.longest_wave_step().min(m.defect_step).min(longest)
     };
     let mut step = dynamics.bearings.iter().map(of_bearing).reduce(f64::min).unwrap_or(AXIAL_STEP);
-    while step > AXIAL_STEP && stiffness_of_step(dynamics, step) > MOST_STIFFNESS {
+    while step > AXIAL_STEP && !is_stable(dynamics, step) {
         step *= 0.5;
+    }
+    step
+}
+
+/// The shortest step that halves of a step may end at.
+fn shortest(mut step: StepLength) -> StepLength {
+    while step.halved().full() >= SHORTEST {
+        step = step.halved();
     }
     step
 }

@@ -9,9 +9,6 @@ use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
 use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
 use crate::simulation::solve::startup::SETTLED_EFOLDS;
 
-/// Largest eigenvalue of K H [-] up to which the correction of the ports' forces is stable.
-pub(super) const MOST_STIFFNESS: f64 = 0.1;
-
 /// Reasons to doubt the numbers of a run.
 pub(super) fn warnings(
     machine: &Machine,
