@@ -242,7 +242,7 @@ impl From<MachineError> for RunFailure {
             MachineError::Stopped(_) => return Self::Cancelled,
             MachineError::Lost { cause: Loss::Left { .. }, .. } => SPINDLE_LEFT_BEARING,
             MachineError::Lost { cause: Loss::NotFinite { .. } | Loss::FrameNotFinite, .. } => NUMERICAL_BLOWUP,
-            MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. }, .. }
+            MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. } | Loss::Unresolved, .. }
             | MachineError::TooLight { .. }
             | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)

@@ -103,6 +103,8 @@ pub enum Loss {
     NotFinite { bearing: String },
     #[error("the motion of shaft and housing is no longer finite")]
     FrameNotFinite,
+    #[error("the steps do not resolve the forces between shaft, bearings and housing: they change faster than steps foretell")]
+    Unresolved,
 }
 
 /// Steps in which a motion was lost.

@@ -30,6 +30,7 @@ pub(crate) mod bearing_stepper;
 mod port;
 pub(crate) mod propagator;
 mod reduced_stepper;
+pub(crate) mod resolution;
 mod speed_steps;
 mod stability;
 pub(crate) mod stepping;

@@ -143,6 +143,9 @@ impl Run<'_> {
                     step = step.halved();
                     continue;
                 }
+                Err(Unrecorded::Lost { cause: Loss::Unresolved, .. }) if selected.is_none() => {
+                    return Err(too_light(self.machine, self.dynamics, step.full()));
+                }
                 Err(unrecorded) => {
                     let steps = selected.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
                     return Err(unrecorded.in_steps(steps));
@@ -151,8 +154,8 @@ impl Run<'_> {
             };
             let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
             let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
-            // The error of a regular motion falls with the square of a stable step.
-            let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last) || !is_stable(step);
+            // The error of a regular motion falls with the square of the step.
+            let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last);
             let is_large = |error: f64| error > ALLOWED_DB && falls && may_shorten(step);
             if let Some((channel, error_db)) = worst.filter(|(_, error)| is_large(*error)) {
                 rejections.push(rejected(step, StepCause::Deviation { channel, error_db })?);
@@ -196,6 +199,9 @@ impl Run<'_> {
         work.steps += steps;
         work.evaluations += stepper.evaluations();
         self.check(&stepper)?;
+        if !stepper.resolution().is_fine() {
+            return Err(Unrecorded::Lost { time: stepper.time(), cause: Loss::Unresolved });
+        }
         Ok(recorder.finish())
     }
 

@@ -14,12 +14,14 @@ use super::equations::MachineDynamics;
 use super::frame::Frame;
 use super::port::{PortLoad, Predicted, Resistance};
 use super::propagator::{ExactStep, NODES, Propagator};
+use super::resolution::Resolution;
 use super::speed_steps::SpeedSteps;
 use crate::numerics::dense::solve;
 use crate::numerics::lanes::{InstructionSet, LANES, Task};
 use crate::numerics::ode::adams::ahead;
 use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::statics::Matrix;
+use crate::rotor::operating::in_nalgebra;
 
 /// Number of entries of a port.
 const PORT: usize = 5;
@@ -80,6 +82,7 @@ pub(crate) struct MachineStepper<'m> {
     formulas: Formulas,
     scratch: Scratch,
     evaluations: u64,
+    resolution: Resolution,
     instructions: InstructionSet,
 }
 
@@ -154,6 +157,13 @@ impl Compliances {
         Self { ports, blocks: (0..ports * ports).map(block).collect() }
     }
 
+    /// Of all ports by forces at all of them.
+    fn matrix(&self) -> DMatrix<f64> {
+        let size = PORT * self.ports;
+        let entry = |row: usize, column: usize| self.block(row / PORT, column / PORT)[row % PORT][column % PORT];
+        DMatrix::from_fn(size, size, entry)
+    }
+
     /// Motion of a port by forces at another.
     fn block(&self, port: usize, by: usize) -> &[[f64; LANES]; PORT] {
         &self.blocks[port * self.ports + by]
@@ -187,13 +197,18 @@ pub(super) fn stiffness_of_step(dynamics: &MachineDynamics, step: f64) -> f64 {
     let speed = dynamics.speed.at(0.0).1;
     let exact = ExactStep::of(&dynamics.frame, speed, step);
     let places = between_rings(dynamics, &OfPorts::new(dynamics, &exact, speed, NODES).places);
-    let mut product = vec![0.0; size * size];
     let Some(point) = dynamics.frame.system.operating.first() else { return 0.0 };
+    let mut stiffness = DMatrix::zeros(size, size);
     for (index, (bearing, ring)) in dynamics.bearings.iter().zip(&point.rings).enumerate() {
-        places.add_product(&mut product, index, &bearing.mounted.along_shaft(&ring.stiffness.mean));
+        let own = in_nalgebra(&bearing.mounted.along_shaft(&ring.stiffness.mean));
+        stiffness.view_mut((PORT * index, PORT * index), (PORT, PORT)).copy_from(&own);
     }
-    let eigenvalues = DMatrix::from_row_slice(size, size, &product).complex_eigenvalues();
-    eigenvalues.iter().map(|value| value.norm()).fold(0.0, f64::max)
+    // K^½ H K^½ has the eigenvalues of K H and is symmetric: their iteration always ends.
+    let symmetric = |matrix: DMatrix<f64>| (&matrix + matrix.transpose()).scale(0.5).symmetric_eigen();
+    let mut root = symmetric(stiffness);
+    root.eigenvalues.apply(|value| *value = value.max(0.0).sqrt());
+    let root = root.recompose();
+    symmetric(&root * places.matrix() * &root).eigenvalues.amax()
 }
 
 /// Compliances of the ports of the rings as those of the inner rings from the outer ones.
@@ -261,6 +276,7 @@ impl<'m> MachineStepper<'m> {
                 next: vec![0.0; 2 * frame.len()],
             },
             evaluations: 1,
+            resolution: Resolution::default(),
             instructions: InstructionSet::best(),
             dynamics,
         };
@@ -342,7 +358,7 @@ impl<'m> MachineStepper<'m> {
     #[inline(always)]
     fn advance_by(&mut self) {
         let end = self.time + self.step;
-        let Self { dynamics, formulas, past, scratch, motion, .. } = self;
+        let Self { dynamics, formulas, past, scratch, motion, resolution, .. } = self;
         let Scratch { matrix, change, next } = scratch;
         let (frame, of_ports, turning) = (&dynamics.frame, &formulas.of_ports, dynamics.speed.at(end));
         let size = PORT * frame.ports.len();
@@ -386,6 +402,8 @@ impl<'m> MachineStepper<'m> {
         }
         solve(matrix, change);
         new.iter_mut().zip(&*change).for_each(|(force, change)| *force += change);
+        let (new, others) = past.split_at(past.len() / NODES);
+        resolution.add(change, new, others);
         for (share, propagator) in &formulas.propagators {
             propagator.add_change(*share, change, next);
         }
@@ -400,6 +418,10 @@ impl<'m> MachineStepper<'m> {
 
     pub(crate) fn time(&self) -> f64 {
         self.time
+    }
+
+    pub(crate) fn resolution(&self) -> &Resolution {
+        &self.resolution
     }
 
     pub(crate) fn evaluations(&self) -> u64 {
