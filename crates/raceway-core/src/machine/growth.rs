@@ -27,14 +27,15 @@ pub(super) fn check_growth(
     if 20.0 * std::f64::consts::LOG10_E * efolds <= ALLOWED_DB {
         return Ok(());
     }
-    let cause = if machine.rotor.shaft.rotating_share > 0.0 {
-        "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)"
+    let of_seats = [dynamics.outer_speed.at(0.0).1; 2];
+    let (speeds, cause) = if machine.rotor.shaft.rotating_share > 0.0 {
+        (speeds, "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)")
     } else if machine.rotor.bearings.iter().any(RotorBearing::turns_in_own_seat) {
-        "damping of a seat that turns with its ring drives a whirl (`operation.outer_speed_rpm`)"
+        (of_seats, "damping of a seat that turns with its ring drives a whirl (`operation.outer_speed_rpm`)")
     } else if machine.rotor.supports.is_empty() {
-        "the bearings do not hold it at this speed"
+        (speeds, "the bearings do not hold it at this speed")
     } else {
-        "a support pushes it (`supports`)"
+        (speeds, "a support pushes it (`supports`)")
     };
     Err(MachineError::Grows { rate, speeds, cause })
 }

@@ -76,7 +76,8 @@ pub enum MachineError {
         1e6 * .shortest
     )]
     TooLight { part: String, field: String, frequency: f64, shortest: f64 },
-    /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does.
+    /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does,
+    /// of the outer rings where their seats drive it.
     #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
     Grows { rate: f64, speeds: [f64; 2], cause: &'static str },
     /// More modes of the shaft lie in the range than a run can carry.
@@ -103,7 +104,9 @@ pub enum Loss {
     NotFinite { bearing: String },
     #[error("the motion of shaft and housing is no longer finite")]
     FrameNotFinite,
-    #[error("the steps do not resolve the forces between shaft, bearings and housing: they change faster than steps foretell")]
+    #[error(
+        "the steps do not resolve the forces between shaft, bearings and housing: they change faster than steps foretell"
+    )]
     Unresolved,
 }
 
@@ -131,9 +134,11 @@ impl StepsOfLoss {
     fn remedy(&self) -> &'static str {
         match self {
             Self::Selected(_) => {
-                "Reduce loads and unbalance, take larger bearings or a stiffer shaft, or leave step_us to the program"
+                "Reduce speed, loads and unbalance, take larger bearings or a stiffer shaft, or leave step_us to the program"
             }
-            Self::AtStart | Self::DownTo(_) => "Reduce loads and unbalance, or take larger bearings or a stiffer shaft",
+            Self::AtStart | Self::DownTo(_) => {
+                "Reduce speed, loads and unbalance, or take larger bearings or a stiffer shaft"
+            }
         }
     }
 }

@@ -126,6 +126,18 @@ mod tests {
 
     use super::*;
 
+    /// Only the motion of 3·10⁶ rad/s is faster than half the rate of steps of 5 µs. Where it has enough damping, nothing is added.
+    #[test]
+    fn only_unresolved_motions_without_damping_get_some() {
+        let stiffness = DMatrix::from_diagonal(&DVector::from_row_slice(&[1e8, 9e12]));
+        for (ratio, expected) in [(0.0, 3e4), (0.002, 1.8e4), (0.01, 0.0)] {
+            let damping = DMatrix::from_diagonal(&DVector::from_row_slice(&[0.0, 2.0 * ratio * 3e6]));
+            let added = unresolved_damping(&[stiffness.clone(), damping], 5e-6);
+            let off = added - DMatrix::from_diagonal(&DVector::from_row_slice(&[0.0, expected]));
+            assert!(off.amax() < 1e-6, "{ratio}: {off}");
+        }
+    }
+
     /// The motion q = w t² under the parabola of its force is reached without error, whatever the frequencies, the damping and what couples them.
     #[test]
     fn a_parabola_is_exact() {

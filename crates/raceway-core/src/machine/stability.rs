@@ -26,7 +26,8 @@ pub(super) fn too_light(machine: &Machine, dynamics: &MachineDynamics, shortest:
     let housing = &system.coordinates.housing;
     let (part, field) = match housing.owner(fastest) {
         Some((Owner::Part(body), displacement)) => {
-            let (of, field) = if displacement < 3 { ("mass", "mass_kg") } else { ("moment of inertia", "inertia_kg_m2") };
+            let (of, field) =
+                if displacement < 3 { ("mass", "mass_kg") } else { ("moment of inertia", "inertia_kg_m2") };
             (format!("the {of} of {}", machine.bodies[body]), format!("housing.bodies[{body}].{field}"))
         }
         Some((Owner::OuterRing(bearing), _)) => {

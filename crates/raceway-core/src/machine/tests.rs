@@ -49,6 +49,7 @@ mod loads;
 mod mode_precision;
 mod omissions;
 mod power;
+mod unresolved;
 mod warnings;
 
 const RPM: f64 = PI / 30.0;

@@ -170,7 +170,7 @@ pub enum RotorError {
     )]
     Unsolved,
     /// No position of the shaft was found at which the bearings carry its loads.
-    #[error("no static equilibrium of shaft and bearings at {:.0} r/min: {cause}", 60.0 * speed / std::f64::consts::TAU)]
+    #[error("no static equilibrium of shaft and bearings was found at {:.0} r/min: {cause}", 60.0 * speed / std::f64::consts::TAU)]
     NoEquilibrium { speed: f64, cause: NoEquilibrium },
     /// The caller no longer wants the result.
     #[error("stopped")]

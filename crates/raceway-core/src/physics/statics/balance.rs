@@ -14,7 +14,9 @@ pub(super) type Border = [f64; BORDER];
 /// No balance of loads and balls.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoBalance {
-    #[error("{residual:.3e} N stay unbalanced of {applied:.3e} N applied")]
+    #[error(
+        "{residual:.3e} N stay unbalanced of {applied:.3e} N applied by loads, contacts and orbiting balls. Lower loads or speeds may have one"
+    )]
     Unbalanced { residual: f64, applied: f64 },
     #[error("{load:.1e} N press a ball into its raceways by {depth:.2} of its radius")]
     TooDeep { load: f64, depth: f64 },
