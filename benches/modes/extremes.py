@@ -51,8 +51,8 @@ def changed(scene, **fields):
     return scene
 
 
-def in_seats(stiffness):
-    seat = {"seat": "elastic", "stiffness_n_per_um": [stiffness, stiffness], "on": "head"}
+def in_seats(stiffness, **fields):
+    seat = {"seat": "elastic", "stiffness_n_per_um": [stiffness, stiffness], "on": "head", **fields}
     return changed(BAR, housing=HEAD, bearings__0__outer_ring=seat, bearings__1__outer_ring=seat)
 
 
@@ -67,8 +67,14 @@ EIGHT = [{"name": "ABCDEFGH"[k], "bearing": "6205", "at_mm": at, "faces": "-x" i
          for k, at in enumerate((15, 45, 75, 105, 195, 225, 255, 285))]
 SCENES = {
     "seats of 10⁶ N/µm": in_seats(1e6),
+    "seats of 10⁶ N/µm without damping": in_seats(1e6, damping_n_s_per_m=[0, 0], tilt_damping_n_m_s_per_rad=0),
+    # Twice the rate of steps of 5.5 µs: 363 kHz.
+    "undamped seats at a multiple of the rate of steps": in_seats(
+        3e5, mass_kg=0.06, damping_n_s_per_m=[0, 0], tilt_damping_n_m_s_per_rad=0),
     "seats of 0.1 N/µm": in_seats(0.1),
     "body without mass": on_body(0.0),
+    "body of 1 mg": on_body(1e-6),
+    "body of 0.1 g": on_body(1e-4),
     "body of 1 g": on_body(1e-3),
     "disc of 100 kg on a shaft of 5 mm": changed(
         BAR, shaft__sections__0__outer_diameter_mm=5, shaft__discs__0__mass_kg=100, bearings__0__bearing="625", bearings__1__bearing="625",
@@ -78,7 +84,9 @@ SCENES = {
         BAR, shaft__damping_ratio=0.05, shaft__rotating_share=1, operation__speed_rpm=60000, operation__radial_load_y_n=100,
         preloads=[{"between": ["A", "B"], "force_n": 200}]),
     "rigid preload of 20 N at 30 000 r/min": changed(SPINDLE, preloads=[{"between": ["A", "B"], "force_n": 20}]),
+    "400 000 r/min": changed(BAR, operation__speed_rpm=400000),
     "500 000 r/min": changed(BAR, operation__speed_rpm=500000),
+    "outer rings at 500 000 r/min": changed(BAR, operation__speed_rpm=0, operation__outer_speed_rpm=500000),
     "no rotation": changed(BAR, operation__speed_rpm=0),
     "eight bearings": changed(BAR, bearings=EIGHT),
     "shock of 490 N on a shaft in a body of 0.5 kg": changed(on_body(0.5), operation__loads=[SHOCK]),

@@ -37,7 +37,7 @@ pub struct OuterRingInput {
     #[schema(nullable = false, example = 50.0)]
     pub tilt_n_m_per_mrad: Option<f64>,
     /// Damping of an elastic seat along the axis and across it [N·s/m], by default a ratio of 0.005 for the ring on it; of a sliding one along the axis,
-    /// the second 0, by default 0. Without any, a very stiff seat swings on, faster than steps resolve, and has false lines.
+    /// the second 0, by default 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, example = json!([100.0, 100.0]))]
     pub damping_n_s_per_m: Option<[f64; 2]>,

@@ -193,6 +193,6 @@ pub enum NoEquilibrium {
     )]
     Departs { bearing: usize, direction: &'static str, displacement: f64, limit: f64 },
     /// Bending and levers are linear.
-    #[error("the shaft leans by {slope:.2} rad at {} mm; linear bending holds up to {MOST_SLOPE} rad", 1e3 * at)]
+    #[error("the shaft leans by {slope:.2} rad at {:.1} mm; linear bending holds up to {MOST_SLOPE} rad", 1e3 * at)]
     Leans { at: f64, slope: f64 },
 }
