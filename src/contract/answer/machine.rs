@@ -243,7 +243,6 @@ impl From<MachineError> for RunFailure {
             MachineError::Lost { cause: Loss::Left { .. }, .. } => SPINDLE_LEFT_BEARING,
             MachineError::Lost { cause: Loss::NotFinite { .. } | Loss::FrameNotFinite, .. } => NUMERICAL_BLOWUP,
             MachineError::Lost { cause: Loss::TooDeep { .. } | Loss::Collision { .. } | Loss::Unresolved, .. }
-            | MachineError::TooLight { .. }
             | MachineError::Grows { .. }
             | MachineError::TooManyModes(_)
             | MachineError::NotApplicable { .. }

@@ -23,7 +23,8 @@ pub struct CostAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub estimated_wall_time_s: Option<f64>,
-    /// Estimated wall time at most [s]: all candidates of the plan are tried, the last at a tighter tolerance.
+    /// Estimated wall time at most [s]: all candidates of the plan are tried, the last at a tighter tolerance. That of a machine takes its step
+    /// halved twice; irregular motion and light parts may halve it more often.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub most_wall_time_s: Option<f64>,

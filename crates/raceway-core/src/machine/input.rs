@@ -65,17 +65,9 @@ pub enum MachineError {
     /// The selected model level cannot represent the machine.
     #[error("{}: {reason}", .level.name())]
     NotApplicable { level: ModelLevel, reason: MachineInapplicable },
-    /// No bearing can hold the motion any more.
-    #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy())]
-    Lost { time: f64, cause: Loss, steps: StepsOfLoss },
-    /// A part is so light that the shortest steps [s] do not resolve its vibration on the bearings alone [Hz].
-    #[error(
-        "{part} is too small for the stiffness of its bearings, on which it vibrates at {:.2} MHz; steps of {:.2} µs, the shortest, do not resolve \
-         that. Give a larger one (`{field}`)",
-        1e-6 * .frequency,
-        1e6 * .shortest
-    )]
-    TooLight { part: String, field: String, frequency: f64, shortest: f64 },
+    /// No bearing can hold the motion any more, or steps do not resolve it. `fastest`: what steps may be too long for.
+    #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy(.fastest.as_ref()))]
+    Lost { time: f64, cause: Loss, steps: StepsOfLoss, fastest: Option<FastestPart> },
     /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does,
     /// of the outer rings where their seats drive it.
     #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
@@ -104,10 +96,26 @@ pub enum Loss {
     NotFinite { bearing: String },
     #[error("the motion of shaft and housing is no longer finite")]
     FrameNotFinite,
-    #[error(
-        "the steps do not resolve the forces between shaft, bearings and housing: they change faster than steps foretell"
-    )]
+    #[error("the steps do not resolve the forces between shaft, bearings and housing")]
     Unresolved,
+}
+
+impl Loss {
+    /// Whether shorter steps might resolve the motion.
+    pub(super) fn is_of_steps(&self) -> bool {
+        matches!(self, Self::NotFinite { .. } | Self::FrameNotFinite | Self::Unresolved)
+    }
+}
+
+/// The part that the bearings move fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FastestPart {
+    pub name: String,
+    /// What of it is small, and the field that gives it.
+    pub inertia: &'static str,
+    pub field: String,
+    /// Natural frequency on the bearings alone [Hz].
+    pub frequency: f64,
 }
 
 /// Steps in which a motion was lost.
@@ -131,14 +139,20 @@ impl StepsOfLoss {
         }
     }
 
-    fn remedy(&self) -> &'static str {
-        match self {
-            Self::Selected(_) => {
-                "Reduce speed, loads and unbalance, take larger bearings or a stiffer shaft, or leave step_us to the program"
+    fn remedy(&self, fastest: Option<&FastestPart>) -> String {
+        let step = match self {
+            Self::Selected(_) => "leave step_us to the program",
+            Self::AtStart | Self::DownTo(_) => "give a shorter step_us, down to 0.1",
+        };
+        match (fastest, self) {
+            (Some(FastestPart { name, inertia, field, frequency }), _) => format!(
+                "The bearings move {name} fastest, at {:.0} kHz: give it a larger {inertia} (`{field}`), reduce the speed, take smoother surfaces, or {step}",
+                1e-3 * frequency
+            ),
+            (None, Self::Selected(_)) => {
+                format!("Reduce speed, loads and unbalance, take larger bearings or a stiffer shaft, or {step}")
             }
-            Self::AtStart | Self::DownTo(_) => {
-                "Reduce speed, loads and unbalance, or take larger bearings or a stiffer shaft"
-            }
+            (None, _) => "Reduce speed, loads and unbalance, or take larger bearings or a stiffer shaft".to_owned(),
         }
     }
 }

@@ -167,7 +167,7 @@ impl Runs<'_> {
             taken.push(clock.taken());
             recorded
                 .map(|recording| (recording, work))
-                .map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
+                .map_err(|error| run.failed(error, StepsOfLoss::Selected(step.full())))
         };
         let (recording, work) = once(0)?;
         // Runs repeat bit for bit.

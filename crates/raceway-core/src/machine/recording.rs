@@ -3,6 +3,7 @@
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing, Sensor};
+use super::resolution::Resolution;
 use super::stepping::MachineStepper;
 use crate::numerics::decimation::Decimator;
 use crate::numerics::interpolation::Course;
@@ -23,6 +24,8 @@ pub struct MachineRecording {
     pub start: f64,
     pub signals: Vec<(MachineChannel, Vec<f64>)>,
     pub bearings: Vec<BearingRecord>,
+    /// Whether steps resolved the forces at the rings.
+    pub is_resolved: bool,
 }
 
 /// Extremes and means of a bearing over the recorded time [SI].
@@ -227,9 +230,9 @@ impl<'m> Recorder<'m> {
     }
 
     /// The record.
-    pub(crate) fn finish(self) -> MachineRecording {
+    pub(crate) fn finish(self, resolution: &Resolution) -> MachineRecording {
         let signals = self.channels.into_iter().zip(self.signals).collect();
-        MachineRecording { start: self.start, signals, bearings: self.bearings }
+        MachineRecording { start: self.start, signals, bearings: self.bearings, is_resolved: resolution.is_fine() }
     }
 }
 

@@ -10,7 +10,7 @@ use super::equations::MachineDynamics;
 use super::input::{Loss, Machine, MachineError, StepsOfLoss};
 use super::recording::{MachineRecording, Recorder};
 use super::settings::MachineSettings;
-use super::stability::{is_stable, too_light};
+use super::stability::{fastest_part, is_stable};
 use super::stepping::{MachineStepper, StepLength};
 use crate::numerics::statistics::rms;
 use crate::physics::operation::SpeedProfile;
@@ -28,6 +28,8 @@ const ERROR_OVER_DEVIATION: f64 = 4.0 / 3.0;
 /// Time that is repeated in half steps [s], unless a period is longer, and largest error of a level that needs no shorter step [dB].
 const REPEATED: f64 = 0.1;
 pub(super) const ALLOWED_DB: f64 = 0.1;
+/// Error of a level that is as large as the value, 20 lg 2 [dB].
+const AS_LARGE_AS_THE_VALUE_DB: f64 = 6.02;
 /// Share of the rest of the progress that steps of one length take, because shorter ones may follow; and that of their first run in it.
 const STEP_SHARE: f64 = 0.8;
 const RUN_SHARE: f64 = 0.6;
@@ -64,16 +66,6 @@ pub(super) enum Unrecorded {
     Lost { time: f64, cause: Loss },
 }
 
-impl Unrecorded {
-    /// The error of a run in these steps.
-    pub(super) fn in_steps(self, steps: StepsOfLoss) -> MachineError {
-        match self {
-            Self::Stopped(time) => MachineError::Stopped(time),
-            Self::Lost { time, cause } => MachineError::Lost { time, cause, steps },
-        }
-    }
-}
-
 /// A run from the start.
 #[derive(Clone, Copy)]
 pub(super) struct Run<'a> {
@@ -86,6 +78,17 @@ pub(super) struct Run<'a> {
 }
 
 impl Run<'_> {
+    /// The error of this run in steps.
+    pub(super) fn failed(&self, unrecorded: Unrecorded, steps: StepsOfLoss) -> MachineError {
+        match unrecorded {
+            Unrecorded::Stopped(time) => MachineError::Stopped(time),
+            Unrecorded::Lost { time, cause } => {
+                let fastest = cause.is_of_steps().then(|| fastest_part(self.machine, self.dynamics));
+                MachineError::Lost { time, cause, steps, fastest }
+            }
+        }
+    }
+
     /// The recording of this run over the time that is compared.
     pub(super) fn compared(
         &self,
@@ -95,7 +98,7 @@ impl Run<'_> {
     ) -> Result<MachineRecording, MachineError> {
         let step = StepLength { longest: first_step(self.dynamics), share: 1.0 };
         let [_, window] = times(self.machine, settings);
-        self.record(window, step, control, work).map_err(|error| error.in_steps(StepsOfLoss::Selected(step.full())))
+        self.record(window, step, control, work).map_err(|error| self.failed(error, StepsOfLoss::Selected(step.full())))
     }
 
     /// Records the first of two times after settling [s]. Its steps are the selected ones [s], or the longest for which half steps confirm
@@ -109,14 +112,14 @@ impl Run<'_> {
         let mut step = StepLength { longest: selected.unwrap_or_else(|| first_step(self.dynamics)), share: 1.0 };
         let may_shorten = |step: StepLength| selected.is_none() && step.halved().full() >= SHORTEST;
         let is_stable = |step: StepLength| is_stable(self.dynamics, step.full());
+        let unresolved = |step: StepLength| {
+            let lost = Unrecorded::Lost { time: self.settle + duration, cause: Loss::Unresolved };
+            self.failed(lost, StepsOfLoss::DownTo(step.full()))
+        };
         let rejected = |step: StepLength, cause| {
             let rejected = RejectedStep { step: step.full(), cause, stiff_bearings: !is_stable(step) };
             let last = shortest(step);
-            if is_stable(last) {
-                Ok(MachineWarning::StepRejected(rejected))
-            } else {
-                Err(too_light(self.machine, self.dynamics, last.full()))
-            }
+            if is_stable(last) { Ok(MachineWarning::StepRejected(rejected)) } else { Err(unresolved(last)) }
         };
         let (mut rejections, mut work, mut last_error) = (Vec::new(), Work::default(), None);
         let mut done = 0.0;
@@ -143,29 +146,31 @@ impl Run<'_> {
                     step = step.halved();
                     continue;
                 }
-                Err(Unrecorded::Lost { cause: Loss::Unresolved, .. }) if selected.is_none() => {
-                    return Err(too_light(self.machine, self.dynamics, step.full()));
-                }
                 Err(unrecorded) => {
                     let steps = selected.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
-                    return Err(unrecorded.in_steps(steps));
+                    return Err(self.failed(unrecorded, steps));
                 }
                 Ok(recorded) => recorded,
             };
             let known = errors.iter().filter_map(|(channel, error)| Some((*channel, (*error)?)));
             let worst = known.max_by(|one, other| one.1.total_cmp(&other.1));
-            // The error of a regular motion falls with the square of the step.
+            // The error of a regular motion that steps resolve falls with the square of the step.
             let falls = worst.zip(last_error).is_none_or(|((_, error), last)| error < last);
-            let is_large = |error: f64| error > ALLOWED_DB && falls && may_shorten(step);
-            if let Some((channel, error_db)) = worst.filter(|(_, error)| is_large(*error)) {
-                rejections.push(rejected(step, StepCause::Deviation { channel, error_db })?);
-                last_error = Some(error_db);
-                step = step.halved();
-                continue;
+            let is_resolved = recording.is_resolved && again.is_resolved;
+            if let Some((channel, error_db)) = worst.filter(|(_, error)| *error > ALLOWED_DB) {
+                if may_shorten(step) && (falls || !is_resolved) {
+                    rejections.push(rejected(step, StepCause::Deviation { channel, error_db })?);
+                    last_error = Some(error_db);
+                    step = step.halved();
+                    continue;
+                }
+                if !is_resolved && selected.is_none() && error_db > AS_LARGE_AS_THE_VALUE_DB {
+                    return Err(unresolved(step));
+                }
             }
             let last = match selected {
                 Some(_) => LastStep::Selected,
-                None if falls => LastStep::Shortest,
+                None if falls || !is_resolved => LastStep::Shortest,
                 None => LastStep::Irregular,
             };
             return Ok(Confirmed { recording, again, errors, step, last, rejections, work });
@@ -199,10 +204,7 @@ impl Run<'_> {
         work.steps += steps;
         work.evaluations += stepper.evaluations();
         self.check(&stepper)?;
-        if !stepper.resolution().is_fine() {
-            return Err(Unrecorded::Lost { time: stepper.time(), cause: Loss::Unresolved });
-        }
-        Ok(recorder.finish())
+        Ok(recorder.finish(stepper.resolution()))
     }
 
     /// Refuses a motion that no bearing can hold any more.

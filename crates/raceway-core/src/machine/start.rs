@@ -28,7 +28,7 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
     for (index, bearing) in dynamics.bearings.iter().enumerate() {
         let (name, rings) = (&machine.bearings[index].name, dynamics.rings(index, place, velocity));
         if let Some(cause) = bearing.loss_of_ring(name, rings.apart()) {
-            return Err(MachineError::Lost { time: 0.0, cause, steps: StepsOfLoss::AtStart });
+            return Err(MachineError::Lost { time: 0.0, cause, steps: StepsOfLoss::AtStart, fastest: None });
         }
         let ([x, y, z], [about_y, about_z]) = rings.apart();
         let force = frame.system.operating[0].rings[index].largest_loads.iter().copied().fold(0.0, f64::max);

@@ -6,7 +6,7 @@ use super::equations::MachineDynamics;
 use super::input::{Machine, MachineBearing};
 use super::result::{BearingMetrics, MachineResult, SignalMetrics};
 use crate::physics::contact::hertz::STATIC_PRESSURE_LIMIT;
-use crate::simulation::error::thresholds::MIN_DECAY_EFOLDS;
+use crate::simulation::error::thresholds::{MIN_DECAY_EFOLDS, QUIET};
 use crate::simulation::solve::startup::SETTLED_EFOLDS;
 
 /// Reasons to doubt the numbers of a run.
@@ -104,12 +104,14 @@ fn not_stationary(result: &MachineResult) -> Vec<MachineWarning> {
     result.channels.iter().filter_map(change).collect()
 }
 
-/// The strongest line of all accelerations, if it has no label.
+/// The strongest line of all accelerations, if it has no label. Motion that is quiet or decays is free motion of the start.
 fn unnamed_line(result: &MachineResult) -> Option<MachineWarning> {
     let strongest = result.spectra.iter().filter_map(|spectra| Some((spectra.channel, spectra.lines.first()?)));
     let (channel, line) = strongest.max_by(|one, other| one.1.amplitude.total_cmp(&other.1.amplitude))?;
+    let decays =
+        result.channels.iter().any(|(of, metrics)| *of == channel && metrics.trend_db.is_some_and(|db| db < 0.0));
     let warning = MachineWarning::UnnamedLine { channel, frequency: line.frequency, amplitude: line.amplitude };
-    line.label.is_empty().then_some(warning)
+    (line.label.is_empty() && line.amplitude >= QUIET && !decays).then_some(warning)
 }
 
 /// The largest pressure of a bearing over the recorded time, if it is too large.

@@ -195,7 +195,7 @@ fn of_rejected_step(
     if *stiff_bearings {
         values.push(("limit", json!("bearing-stiffness")));
         limit =
-            " The bearings are so stiff against the inertia of the shaft at their places that they need short steps.";
+            " The bearings are so stiff against the inertia of the parts that they join that they need short steps.";
     }
     let text = format!("Steps of {} µs were rejected: {cause}.{limit}", significant(US.to_user(*step), 3));
     (MessageCode::CandidateRejected, text, values)

@@ -1,9 +1,11 @@
 //! Reasons to doubt the numbers of a run.
 
+use super::housing::{in_seats, turning};
 use super::*;
 use crate::machine::codes::{LaterChange, MachineWarning};
 use crate::machine::input::{Loss, MachineError, StepsOfLoss};
 use crate::machine::result::MachineResult;
+use crate::physics::kinematics::RingSpeeds;
 use crate::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate, Shock};
 use crate::rotor::input::PlacedLoad;
 use crate::simulation::model::state::SpindleState;
@@ -71,7 +73,7 @@ fn a_lost_ring_names_its_bearing() {
     assert_eq!(loss([0.0; 3]), None);
     assert_eq!(loss([0.0, f64::NAN, 0.0]), Some(Loss::NotFinite { bearing: "A".to_owned() }));
     let cause = loss([0.0, 0.01, 0.0]).unwrap();
-    let text = |steps| MachineError::Lost { time: 0.25, cause: cause.clone(), steps }.to_string();
+    let text = |steps| MachineError::Lost { time: 0.25, cause: cause.clone(), steps, fastest: None }.to_string();
     for (steps, begin) in [
         (StepsOfLoss::AtStart, "in the equilibrium that the run starts from"),
         (StepsOfLoss::Selected(2e-6), "at t = 0.250000 s in steps of 2.000 µs"),
@@ -80,5 +82,20 @@ fn a_lost_ring_names_its_bearing() {
         let text = text(steps);
         assert!(text.starts_with(begin), "{text}");
         assert!(text.contains("left bearing A: it is displaced radially by 10.000 mm"), "{text}");
+    }
+}
+
+/// Outer rings turn around a shaft at rest. Free axial motion of the start is the strongest motion: while it decays, and after it has become quiet, it
+/// is no whirl.
+#[test]
+fn free_motion_of_the_start_is_no_whirl() {
+    for settle in [0.4, 1.0] {
+        let mut machine = turning(in_seats(motor_spindle()), 50.0);
+        machine.rotor.unbalances.clear();
+        machine.speed = SpeedProfile::constant(0.0).unwrap();
+        machine.rotor = machine.rotor.at_speeds(RingSpeeds { inner: 0.0, outer: 50.0 });
+        let result = run(&machine, &settings(settle, 0.2, None));
+        let whirls = result.warnings.iter().any(|warning| matches!(warning, MachineWarning::UnnamedLine { .. }));
+        assert!(!whirls, "{settle}: {:?}", result.warnings);
     }
 }
