@@ -278,7 +278,7 @@ async function orderedByName(page) {
   await picture(page, 'ordered');
   await accessible(page, 'a bearing by designation');
   await designation.fill('7206');
-  await designation.press('Tab');
+  await designation.press('Enter');
   await page.locator('#preset-error').filter({ hasText: '7206A' }).waitFor();
   ok('a designation, a clearance group and an oil go by name');
 }
@@ -645,7 +645,7 @@ async function namedOnShaft(page) {
   await page.locator('.analysis:not(.stale)').waitFor();
   await accessible(page, 'a bearing of the shaft by designation');
   await designation.fill('7206');
-  await designation.press('Tab');
+  await designation.press('Enter');
   await page.locator('#s-scene-bearings-0-bearing-error', { hasText: '7206A' }).waitFor();
   ok('a bearing of the shaft goes by designation; an unknown one has suggestions');
 }
@@ -722,6 +722,7 @@ async function shaft(page) {
   await page.locator('#panel-shaft figcaption', { hasText: 'Envelope spectrum of sensor nose acceleration' }).waitFor();
   await picture(page, 'machine');
   await accessible(page, 'the run of a shaft in time');
+  assert.deepEqual((await shaftRequest(page)).speeds_rpm, { from: 0, to: 60000, count: 31 }, 'the run keeps the settings of the analysis');
   ok('a run in time shows levels, spectrum and envelope with lines of the bearing');
 
   await page.locator('input[name=shaft-view][value=analysis]').check({ force: true });

@@ -20,11 +20,18 @@ export function designationField({ id, list, label = 'Designation', help, catalo
     }
   };
   input.addEventListener('focus', suggest, { once: true });
-  input.addEventListener('change', () => {
+  const take = () => {
     const name = input.value.trim();
     if (!name) return;
     input.value = '';
     choose(name);
+  };
+  input.addEventListener('change', take);
+  // Enter ends the name, and does not submit the form.
+  input.addEventListener('keydown', (event) => {
+    if (event.key !== 'Enter') return;
+    event.preventDefault();
+    take();
   });
   const { element } = field({ id, label, input, help, isWide: true });
   element.append(suggestions);

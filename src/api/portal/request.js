@@ -22,6 +22,13 @@ const isEmpty = (value) =>
   (Array.isArray(value) && value.every((one) => one === 0)) ||
   (typeof value === 'object' && value !== null && Object.values(value).every(isEmpty));
 
+/** Whether two values of JSON are equal. Members have no order: the service writes its own. */
+export function isEqual(one, other) {
+  const [members, others] = [one, other].map((value) => (typeof value === 'object' && value !== null ? Object.keys(value) : null));
+  if (!members || !others) return one === other;
+  return members.length === others.length && members.every((name) => isEqual(one[name], other[name]));
+}
+
 /** The steps of a JSON pointer. */
 const steps = (pointer) =>
   pointer

@@ -4,7 +4,7 @@ import * as api from './api.js';
 import { h, labelledRadio, small, tools } from './dom.js';
 import { command, curl, keep } from './download.js';
 import { moment } from './format.js';
-import { isOfShaft, write } from './request.js';
+import { isEqual, isOfShaft, write } from './request.js';
 import { Result } from './result.js';
 import { RotorView } from './rotor.js';
 import { ShaftDrawing } from './shaft-drawing.js';
@@ -91,7 +91,7 @@ export class Shaft {
   async show(job) {
     const request = ofJob(job.request);
     // A job of this scene has the settings of its kind only; those of the other kind stay.
-    const isSame = JSON.stringify(request.scene) === JSON.stringify(this.request.scene);
+    const isSame = isEqual(request.scene, this.request.scene);
     this.request = isSame ? { ...this.request, ...request } : request;
     this.#show();
     this.onChange(this.request);
