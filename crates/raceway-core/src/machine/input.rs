@@ -66,8 +66,8 @@ pub enum MachineError {
     #[error("{}: {reason}", .level.name())]
     NotApplicable { level: ModelLevel, reason: MachineInapplicable },
     /// No bearing can hold the motion any more, or steps do not resolve it. `fastest`: what steps may be too long for.
-    #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy(.fastest.as_ref()))]
-    Lost { time: f64, cause: Loss, steps: StepsOfLoss, fastest: Option<FastestPart> },
+    #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy(.fastest.as_deref()))]
+    Lost { time: f64, cause: Loss, steps: StepsOfLoss, fastest: Option<Box<FastestPart>> },
     /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does,
     /// of the outer rings where their seats drive it.
     #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]

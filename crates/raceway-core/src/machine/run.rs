@@ -83,7 +83,7 @@ impl Run<'_> {
         match unrecorded {
             Unrecorded::Stopped(time) => MachineError::Stopped(time),
             Unrecorded::Lost { time, cause } => {
-                let fastest = cause.is_of_steps().then(|| fastest_part(self.machine, self.dynamics));
+                let fastest = cause.is_of_steps().then(|| Box::new(fastest_part(self.machine, self.dynamics)));
                 MachineError::Lost { time, cause, steps, fastest }
             }
         }
