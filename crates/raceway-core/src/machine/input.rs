@@ -13,6 +13,9 @@ use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
 use crate::simulation::model::failure::{Departure, SimulationError};
 
+/// Shortest step that is tried, where the request selects none [s].
+pub(super) const SHORTEST_STEP: f64 = 2.5e-7;
+
 /// A shaft on ball bearings, and the points at which its motion is recorded.
 #[derive(Debug, Clone)]
 pub struct Machine {
@@ -96,7 +99,7 @@ pub enum Loss {
     NotFinite { bearing: String },
     #[error("the motion of shaft and housing is no longer finite")]
     FrameNotFinite,
-    #[error("the steps do not resolve the forces between shaft, bearings and housing")]
+    #[error("the forces between shaft, bearings and housing are not resolved")]
     Unresolved,
 }
 
@@ -127,6 +130,8 @@ pub enum StepsOfLoss {
     Selected(f64),
     /// Every step down to this one [s].
     DownTo(f64),
+    /// Steps down to this one, the shortest [s], of which the first failed. The others were not tried: they are unstable by the linear analysis.
+    Foreseen(f64),
 }
 
 impl StepsOfLoss {
@@ -136,23 +141,23 @@ impl StepsOfLoss {
             Self::AtStart => "in the equilibrium that the run starts from".to_owned(),
             Self::Selected(step) => format!("at t = {time:.6} s in steps of {:.3} µs", 1e6 * step),
             Self::DownTo(step) => format!("at t = {time:.6} s, in steps down to {:.3} µs", 1e6 * step),
+            Self::Foreseen(step) => format!("in steps down to {:.3} µs, by the linear analysis", 1e6 * step),
         }
     }
 
     fn remedy(&self, fastest: Option<&FastestPart>) -> String {
-        let step = match self {
-            Self::Selected(_) => "leave step_us to the program",
-            Self::AtStart | Self::DownTo(_) => "give a shorter step_us, down to 0.1",
-        };
-        match (fastest, self) {
-            (Some(FastestPart { name, inertia, field, frequency }), _) => format!(
-                "The bearings move {name} fastest, at {:.0} kHz: give it a larger {inertia} (`{field}`), reduce the speed, take smoother surfaces, or {step}",
+        let causes = "reduce speed, loads and unbalance, take smoother surfaces, larger bearings or a stiffer shaft";
+        let remedy = match fastest {
+            Some(FastestPart { name, inertia, field, frequency }) => format!(
+                "The bearings move {name} fastest, at {:.0} kHz: give it a larger {inertia} (`{field}`), {causes}",
                 1e-3 * frequency
             ),
-            (None, Self::Selected(_)) => {
-                format!("Reduce speed, loads and unbalance, take larger bearings or a stiffer shaft, or {step}")
-            }
-            (None, _) => "Reduce speed, loads and unbalance, or take larger bearings or a stiffer shaft".to_owned(),
+            None => format!("To hold it, {causes}"),
+        };
+        match self {
+            Self::Selected(step) if *step > SHORTEST_STEP => remedy + ", or leave step_us to the program",
+            Self::DownTo(_) if fastest.is_some() => remedy + ", or give a shorter step_us, down to 0.1",
+            Self::AtStart | Self::Selected(_) | Self::DownTo(_) | Self::Foreseen(_) => remedy,
         }
     }
 }

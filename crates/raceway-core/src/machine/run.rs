@@ -7,7 +7,7 @@ use super::bearing_stepper::BearingStepper;
 use super::channel::MachineChannel;
 use super::codes::{LastStep, MachineWarning, RejectedStep, StepCause};
 use super::equations::MachineDynamics;
-use super::input::{Loss, Machine, MachineError, StepsOfLoss};
+use super::input::{Loss, Machine, MachineError, SHORTEST_STEP, StepsOfLoss};
 use super::recording::{MachineRecording, Recorder};
 use super::settings::MachineSettings;
 use super::stability::{fastest_part, is_stable};
@@ -19,8 +19,6 @@ use crate::simulation::input::control::Control;
 use crate::simulation::solve::fixed_step::AXIAL_STEP;
 use crate::simulation::solve::startup::{CAGE_SETTLE_RANGE_S, MAX_SETTLE_S, SETTLE_CAGE_TURNS, SETTLED_EFOLDS};
 
-/// Shortest step that is tried [s].
-const SHORTEST: f64 = 2.5e-7;
 /// Steps between two looks at the motion and at the caller.
 const STEPS_PER_LOOK: u64 = 64;
 /// Error of a run over its deviation from half steps: both methods are of order 2 [-].
@@ -110,16 +108,20 @@ impl Run<'_> {
         control: &Control<'_>,
     ) -> Result<Confirmed, MachineError> {
         let mut step = StepLength { longest: selected.unwrap_or_else(|| first_step(self.dynamics)), share: 1.0 };
-        let may_shorten = |step: StepLength| selected.is_none() && step.halved().full() >= SHORTEST;
+        let may_shorten = |step: StepLength| selected.is_none() && step.halved().full() >= SHORTEST_STEP;
         let is_stable = |step: StepLength| is_stable(self.dynamics, step.full());
-        let unresolved = |step: StepLength| {
+        let unresolved = |steps: fn(f64) -> StepsOfLoss, step: StepLength| {
             let lost = Unrecorded::Lost { time: self.settle + duration, cause: Loss::Unresolved };
-            self.failed(lost, StepsOfLoss::DownTo(step.full()))
+            self.failed(lost, steps(step.full()))
         };
         let rejected = |step: StepLength, cause| {
-            let rejected = RejectedStep { step: step.full(), cause, stiff_bearings: !is_stable(step) };
+            let warning = MachineWarning::StepRejected(RejectedStep {
+                step: step.full(),
+                cause,
+                stiff_bearings: !is_stable(step),
+            });
             let last = shortest(step);
-            if is_stable(last) { Ok(MachineWarning::StepRejected(rejected)) } else { Err(unresolved(last)) }
+            if is_stable(last) { Ok(warning) } else { Err(unresolved(StepsOfLoss::Foreseen, last)) }
         };
         let (mut rejections, mut work, mut last_error) = (Vec::new(), Work::default(), None);
         let mut done = 0.0;
@@ -165,7 +167,7 @@ impl Run<'_> {
                     continue;
                 }
                 if !is_resolved && selected.is_none() && error_db > AS_LARGE_AS_THE_VALUE_DB {
-                    return Err(unresolved(step));
+                    return Err(unresolved(StepsOfLoss::DownTo, step));
                 }
             }
             let last = match selected {
@@ -269,7 +271,7 @@ pub(super) fn first_step(dynamics: &MachineDynamics) -> f64 {
 
 /// The shortest step that halves of a step may end at.
 fn shortest(mut step: StepLength) -> StepLength {
-    while step.halved().full() >= SHORTEST {
+    while step.halved().full() >= SHORTEST_STEP {
         step = step.halved();
     }
     step
