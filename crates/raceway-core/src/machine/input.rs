@@ -47,7 +47,7 @@ impl Machine {
     }
 }
 
-/// What moves in a bearing.
+/// A bearing on the shaft: its name, its balls and cage, and where they start.
 #[derive(Debug, Clone)]
 pub struct MachineBearing {
     /// Name in channels and labels.
@@ -68,7 +68,7 @@ pub enum MachineError {
     /// The selected model level cannot represent the machine.
     #[error("{}: {reason}", .level.name())]
     NotApplicable { level: ModelLevel, reason: MachineInapplicable },
-    /// No bearing can hold the motion any more, or steps do not resolve it. `fastest`: what steps may be too long for.
+    /// No bearing can hold the motion any more, or steps do not resolve it. `fastest`: the part for which steps may be too long.
     #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy(.fastest.as_deref()))]
     Lost { time: f64, cause: Loss, steps: StepsOfLoss, fastest: Option<Box<FastestPart>> },
     /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does,
@@ -104,7 +104,7 @@ pub enum Loss {
 }
 
 impl Loss {
-    /// Whether shorter steps might resolve the motion.
+    /// True if shorter steps may resolve the motion.
     pub(super) fn is_of_steps(&self) -> bool {
         matches!(self, Self::NotFinite { .. } | Self::FrameNotFinite | Self::Unresolved)
     }
@@ -114,7 +114,7 @@ impl Loss {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FastestPart {
     pub name: String,
-    /// What of it is small, and the field that gives it.
+    /// The kind of inertia that is too small, and the field that holds it.
     pub inertia: &'static str,
     pub field: String,
     /// Natural frequency on the bearings alone [Hz].

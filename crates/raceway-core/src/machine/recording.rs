@@ -232,7 +232,7 @@ impl<'m> Recorder<'m> {
     /// The record.
     pub(crate) fn finish(self, resolution: &Resolution) -> MachineRecording {
         let signals = self.channels.into_iter().zip(self.signals).collect();
-        MachineRecording { start: self.start, signals, bearings: self.bearings, is_resolved: resolution.is_fine() }
+        MachineRecording { start: self.start, signals, bearings: self.bearings, is_resolved: resolution.is_resolved() }
     }
 }
 

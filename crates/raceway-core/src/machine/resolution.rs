@@ -30,7 +30,7 @@ impl Resolution {
 
     /// Whether the extrapolation foretold forces better than those of the step before, or to rounding. At ω h = 1 both are as good. Forces that
     /// change their sign at each step, as those of a step beyond stability, are missed by four times their change.
-    pub(crate) fn is_fine(&self) -> bool {
+    pub(crate) fn is_resolved(&self) -> bool {
         self.missed <= self.changed || self.missed <= f64::EPSILON * self.size
     }
 }
@@ -54,8 +54,8 @@ mod tests {
     /// A parabola misses the third difference, (2 sin ½ω h)² changes.
     #[test]
     fn steps_resolve_up_to_one_radian() {
-        for (radians, is_fine) in [(0.1, true), (1.0, true), (1.1, false), (3.1, false), (0.0, true)] {
-            assert_eq!(of_vibration(radians).is_fine(), is_fine, "{radians}");
+        for (radians, is_resolved) in [(0.1, true), (1.0, true), (1.1, false), (3.1, false), (0.0, true)] {
+            assert_eq!(of_vibration(radians).is_resolved(), is_resolved, "{radians}");
         }
         let sawtooth = of_vibration(std::f64::consts::PI - 1e-3);
         assert!((sawtooth.missed / sawtooth.changed - 16.0).abs() < 0.05);
@@ -66,6 +66,6 @@ mod tests {
     fn rounding_counts_as_resolved() {
         let mut resolution = Resolution::default();
         resolution.add(&[3e-10, 0.0, 0.0, 0.0, 9.0], &[100.0, 0.0, 0.0, 0.0, 0.0], &[100.0, 0.0, 0.0, 0.0, 0.0]);
-        assert!(resolution.is_fine());
+        assert!(resolution.is_resolved());
     }
 }

@@ -1,6 +1,7 @@
 //! Motions that steps do not resolve.
 
 use super::housing::{MOUNTS, in_body, in_seats};
+use super::warnings::settings;
 use super::*;
 use crate::machine::input::{Loss, MachineError};
 use crate::machine::result::MachineResult;
@@ -8,16 +9,7 @@ use crate::physics::frame::support::diagonal;
 use crate::physics::statics::shaft::Spring;
 
 fn run(machine: &Machine, step: Option<f64>) -> Result<MachineResult, MachineError> {
-    let settings = MachineSettings {
-        settle: Some(0.02),
-        duration: 0.02,
-        step,
-        range: RANGE,
-        series: Vec::new(),
-        envelope: ENVELOPE,
-        band_edges: Vec::new(),
-    };
-    simulate(machine, &settings, &Control::until(&|| false))
+    simulate(machine, &settings(0.02, 0.02, step), &Control::until(&|| false))
 }
 
 /// On its seat the ring vibrates at 360 kHz, twice the rate of steps of 5.5 µs. Without damping the seat gives

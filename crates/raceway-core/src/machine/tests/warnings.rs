@@ -10,7 +10,7 @@ use crate::physics::loads::{Harmonic, Load, LoadCourse, LoadDirection, LoadRate,
 use crate::rotor::input::PlacedLoad;
 use crate::simulation::model::state::SpindleState;
 
-fn settings(settle: f64, duration: f64, step: Option<f64>) -> MachineSettings {
+pub(super) fn settings(settle: f64, duration: f64, step: Option<f64>) -> MachineSettings {
     MachineSettings {
         settle: Some(settle),
         duration,
