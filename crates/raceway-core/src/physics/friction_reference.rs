@@ -76,10 +76,11 @@ impl Running {
     pub fn skf(&self, series: &str, supply: Supply) -> Option<SkfMoments> {
         let (_, [r1, r2, s1, s2]) = SERIES.iter().find(|(name, _)| *name == series)?;
         let diameter = self.mean_diameter();
-        let (rolling, sliding) = if self.axial == 0.0 {
+        let sine = (24.6 * (self.axial / self.static_rating).powf(0.24)).to_radians().sin();
+        // The sine is zero for the smallest loads, too, whose ratio to C₀ is below the least number.
+        let (rolling, sliding) = if sine == 0.0 {
             (self.radial, s1 * diameter.powf(-0.26) * self.radial.powf(5.0 / 3.0))
         } else {
-            let sine = (24.6 * (self.axial / self.static_rating).powf(0.24)).to_radians().sin();
             let loads = self.radial.powi(5) + s2 * diameter.powf(1.5) / sine * self.axial.powi(4);
             (self.radial + r2 / sine * self.axial, s1 * diameter.powf(-0.145) * loads.cbrt())
         };
@@ -146,6 +147,13 @@ mod tests {
         let PalmgrenMoments { viscous, of_load: [least, most] } = running(500.0, 0.0).palmgren();
         assert!((viscous - 17.5).abs() < 0.05, "{viscous}");
         assert!((least - 2.5).abs() < 0.05 && (most - 3.8).abs() < 0.05, "{least} {most}");
+    }
+
+    #[test]
+    fn the_least_axial_load_is_none() {
+        assert_eq!(running(500.0, 5e-324).skf("62", Supply::Grease), running(500.0, 0.0).skf("62", Supply::Grease));
+        let small = running(500.0, 1e-300).skf("62", Supply::Grease).unwrap();
+        assert!(small.rolling.is_finite() && small.sliding.is_finite(), "{small:?}");
     }
 
     /// Grease starves the track sooner, and loads and viscosity raise the moments.
