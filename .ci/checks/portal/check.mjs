@@ -616,7 +616,6 @@ async function surfaces(page) {
   await noLeftovers(page);
 }
 
-/** A shaft: drawn, moved by keys and pointer, analysed with each edit, run in time, and opened from the list. */
 /** Bearings of a shaft by designation, and loads at a place. */
 async function namedOnShaft(page) {
   await tab(page, 'shaft');
@@ -650,6 +649,7 @@ async function namedOnShaft(page) {
   ok('a bearing of the shaft goes by designation; an unknown one has suggestions');
 }
 
+/** A shaft: drawn, moved by keys and pointer, analysed with each edit, run in time, and opened from the list. */
 async function shaft(page) {
   await tab(page, 'shaft');
   const natural = page.locator('.rotor table').first();

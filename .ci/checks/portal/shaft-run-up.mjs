@@ -53,9 +53,23 @@ export async function shaftRunUp(page, { ok, tab, picture }) {
   await panel.locator('input[name=machine-view][value=spectrum]').check({ force: true });
   await panel.locator('figcaption', { hasText: /spectrum of/i }).first().waitFor({ timeout: 60000 });
   await panel.getByRole('button', { name: 'Edit this scene' }).click();
-  const kept = await page.evaluate(() => JSON.parse(new URLSearchParams(location.hash.slice(1)).get('shaft')).outputs.orders.max_order);
-  assert.equal(kept, 20);
+  const request = async () => JSON.parse(await page.locator('#shaft-json').inputValue());
+  assert.equal((await request()).outputs.orders.max_order, 20);
   ok('a run-up of a shaft opens as a waterfall, has orders and a spectrum, and keeps them when it is edited');
+
+  const speeds = ['#s-scene-operation-speed_rpm', '#s-ramp-to', '#s-ramp-time'].map((id) => page.locator(id));
+  assert.deepEqual(await Promise.all(speeds.map((input) => input.inputValue())), ['9000', '12000', '0.3']);
+  await speeds[1].fill('');
+  assert.equal((await request()).scene.operation.speed_rpm, 9000);
+  assert.equal((await request()).outputs?.orders, undefined, 'a constant speed has no run-up');
+  await speeds[1].fill('10000');
+  await speeds[2].fill('0.2');
+  const ramped = await request();
+  assert.deepEqual(ramped.scene.operation.speed_rpm, [{ at_s: 0.05, rpm: 9000 }, { at_s: 0.25, rpm: 10000 }]);
+  assert.deepEqual([ramped.duration_s, ramped.outputs], [0.2, { orders: {} }]);
+  await page.locator('#shaft-run').click();
+  await panel.getByRole('img', { name: 'Spectra over the shaft speed' }).waitFor({ timeout: 60000 });
+  ok('the form of a shaft sets a ramp of the speed, which runs as a run-up');
 
   await finished(page, STUDY);
   await tab(page, 'jobs');

@@ -2,6 +2,7 @@
 // so they agree with the service.
 
 import { number, words } from './format.js';
+import { RAMP_HELP } from './ramp.js';
 
 const field = (pointer, label, symbol, unit, more = {}) => ({ pointer, label, symbol, unit, ...more });
 
@@ -15,14 +16,11 @@ export const GROUPS = [
     open: true,
     fields: [
       field('/scene/operation/speed_rpm', 'Speed', 'n', 'r/min', { ramp: 'from' }),
-      field('/ramp/to', 'Ramp to', '', 'r/min', {
-        ramp: 'to',
-        help: 'Last speed of a run-up or a run-down. The run is recorded over the ramp and opens as a waterfall. Empty: constant speed.',
-      }),
+      field('/ramp/to', 'Ramp to', '', 'r/min', { ramp: 'to', help: RAMP_HELP.to }),
       field('/scene/operation/radial_load_y_n', 'Radial load y', 'Fy', 'N', { range: [0, 1000] }),
       field('/scene/operation/radial_load_z_n', 'Radial load z', 'Fz', 'N', { range: [0, 1000] }),
       field('/scene/operation/axial_load_n', 'Axial load', 'Fx', 'N', { range: [0, 500] }),
-      field('/ramp/time', 'Ramp time', '', 's', { ramp: 'time', help: 'Time from the first to the last speed.' }),
+      field('/ramp/time', 'Ramp time', '', 's', { ramp: 'time', help: RAMP_HELP.time }),
     ],
   },
   {

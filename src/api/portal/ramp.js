@@ -7,6 +7,11 @@ const SPEED = '/scene/operation/speed_rpm';
 const SETTLE = 0.05;
 const TIME = 1;
 
+export const RAMP_HELP = {
+  to: 'Last speed of a run-up or a run-down. The run is recorded over the ramp and opens as a waterfall. Empty: constant speed.',
+  time: 'Time from the first to the last speed.',
+};
+
 /** First and last speed [r/min] and time [s] of a request's ramp; of a constant speed only the first. */
 export function rampOf(request) {
   const speed = request.scene?.operation?.speed_rpm;

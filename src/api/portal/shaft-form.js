@@ -4,6 +4,7 @@ import { designationField } from './designation.js';
 import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
 import { field, Fields, focusFirstError, idOf, offered, openAround, ownDimensions, textInput } from './form.js';
+import { rampOf, withRamp } from './ramp.js';
 import { read, write } from './request.js';
 import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE, TERMS } from './shaft-lists.js';
 import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, without } from './shaft-request.js';
@@ -64,10 +65,10 @@ export class ShaftForm {
       if (shape !== shown.shape) this.#build(list, shown, items.length, shape);
       shown.summary.textContent = items.length && !list.open ? `${list.title}: ${items.length}` : list.title;
     }
-    for (const [pointer, { input, ofValue, when }] of this.#fields) {
+    for (const [pointer, { input, ofValue, when, ramp }] of this.#fields) {
       // A value that does not belong here stays in sight: its error is at its field.
       if (when) input.closest('.field').hidden = read(request, pointer) === undefined && !this.#holds(when, request);
-      if (!this.#fields.isUnreadable(pointer) && document.activeElement !== input) input.value = ofValue(read(request, pointer));
+      if (!this.#fields.isUnreadable(pointer) && document.activeElement !== input) input.value = ofValue(ramp ? rampOf(request)[ramp] : read(request, pointer));
       if (input.tagName === 'INPUT') input.placeholder = this.#fallback(pointer);
     }
     this.#notes();
@@ -269,14 +270,15 @@ export class ShaftForm {
     this.#change(request);
   }
 
-  #registered(pointer, input, { label, unit, of, fallback, ofValue, when, help: hint = help(this.#schema(of, pointer) ?? {}) }) {
+  #registered(pointer, input, { label, unit, of, fallback, ofValue, when, ramp, help: hint = help(this.#schema(of, pointer) ?? {}) }) {
     const shown = field({ id: idOf('s', pointer), label, unit, input, help: hint });
-    return this.#fields.add(pointer, { ...shown, fallback, ofValue, when });
+    return this.#fields.add(pointer, { ...shown, fallback, ofValue, when, ramp });
   }
 
-  #typed(pointer, { size, alike }) {
+  #typed(pointer, { size, alike, ramp }) {
     const { value, error } = this.#fields.read(pointer);
     if (error) this.onChange(this.request);
+    else if (ramp) this.#change(withRamp(this.request, { ...rampOf(this.request), [ramp]: value }));
     else this.#change(write(this.request, pointer, value, { size, others: alike ? value : 0 }));
   }
 

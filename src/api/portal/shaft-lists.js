@@ -1,5 +1,6 @@
 // The lists of a shaft's scene with the fields of their items. Limits and help come from the OpenAPI document.
 
+import { RAMP_HELP } from './ramp.js';
 import { read } from './request.js';
 import { lengthOf, listAt, typeOf } from './shaft-request.js';
 
@@ -334,7 +335,9 @@ export const OPERATION = {
   open: true,
   of: 'RotorOperationInput',
   fields: [
-    single('/scene/operation/speed_rpm', 'Speed', 'r/min'),
+    single('/scene/operation/speed_rpm', 'Speed', 'r/min', { ramp: 'from' }),
+    single('/ramp/to', 'Ramp to', 'r/min', { ramp: 'to', help: RAMP_HELP.to }),
+    single('/ramp/time', 'Ramp time', 's', { ramp: 'time', help: RAMP_HELP.time }),
     single('/scene/operation/outer_speed_rpm', 'Speed of outer rings', 'r/min', { fallback: '0' }),
     single('/scene/operation/radial_load_y_n', 'Radial load y', 'N', { fallback: '0' }),
     single('/scene/operation/radial_load_z_n', 'Radial load z', 'N', { fallback: '0' }),
