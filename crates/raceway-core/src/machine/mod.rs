@@ -23,6 +23,7 @@ pub mod level;
 pub mod padded;
 pub mod start;
 
+mod confirmation;
 mod growth;
 mod omission;
 

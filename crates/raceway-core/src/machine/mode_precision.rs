@@ -103,7 +103,7 @@ pub fn compare(machine: &Machine, plan: &ModePlan, control: &Control<'_>) -> Res
     let run = Run { machine, dynamics: &dynamics, start: &start, settle, series: &[] };
     let times = [plan.duration, plan.duration];
     let confirmed = control.part((0.0, REFERENCE_SHARE), |control| run.confirmed(plan.step, times, control))?;
-    let (same_step, levels) = (levels(&confirmed.recording), judged(levels(&confirmed.again)));
+    let (same_step, levels) = (levels(&confirmed.pair.recording), judged(levels(&confirmed.pair.again)));
     let reference = ModeReference {
         size: size_of(&dynamics),
         step_errors: deviations(&levels, &same_step),

@@ -1,6 +1,7 @@
 //! The simulation of a machine: its model, the run, and what verifies the model.
 
 use super::codes::{LeanModel, MachineWarning};
+use super::confirmation::{ALLOWED_DB, Confirmed, Pair, level_deviations};
 use super::equations::MachineDynamics;
 use super::growth::check_growth;
 use super::input::{Machine, MachineError};
@@ -8,7 +9,7 @@ use super::level::{LevelChoice, ReducedLevel, missing_signal};
 use super::omission::omitted;
 use super::recording::MachineRecording;
 use super::result::{Accuracy, MachineResult, ModelErrors};
-use super::run::{ALLOWED_DB, Confirmed, Run, level_deviations, settling_time, times};
+use super::run::{Run, settling_time, times};
 use super::settings::MachineSettings;
 use super::start::start_state;
 use super::terms::OmittedTerm;
@@ -107,12 +108,12 @@ impl Model<'_> {
                 of_full.insert(control.part((MODEL_SHARE, 1.0), compared)?)
             }
         };
-        let model = ModelErrors { window, levels: level_deviations(&confirmed.recording, of_full) };
+        let model = ModelErrors { window, levels: level_deviations(&confirmed.pair.recording, of_full) };
         Ok(lean.evaluated(confirmed, Some(model), settings))
     }
 
     fn evaluated(&self, confirmed: Confirmed, model: Option<ModelErrors>, settings: &MachineSettings) -> MachineResult {
-        let Confirmed { recording, errors, step, last, rejections, work, .. } = confirmed;
+        let Confirmed { pair: Pair { recording, errors, .. }, step, last, rejections, work } = confirmed;
         let Run { machine, dynamics, .. } = self.run;
         let [_, window] = times(machine, settings);
         let accuracy = Accuracy { step: step.full(), window, errors, evaluations: work.evaluations, model };
