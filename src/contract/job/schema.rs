@@ -1,5 +1,6 @@
 //! Limits, defaults and kinds in the schemas of requests. Limits are those of validation, defaults those of a job without the field.
 
+use raceway_core::physics::frame::shaft::USUAL_DAMPING_RATIO;
 use serde_json::{Value, json};
 use utoipa::openapi::schema::{ArrayItems, Discriminator, Object, ObjectBuilder, OneOfBuilder, Schema, Type};
 use utoipa::openapi::{Ref, RefOr};
@@ -244,7 +245,7 @@ fn rotor_defaults() -> [(&'static [&'static str], &'static str, Value); 16] {
         (&[], "priority", json!(2)),
         (&[], "reuse", json!(true)),
         (&["scene"], "gravity_m_s2", json!(9.81)),
-        (shaft, "damping_ratio", json!(0.005)),
+        (shaft, "damping_ratio", json!(USUAL_DAMPING_RATIO)),
         (shaft, "rotating_share", json!(0)),
         (shaft, "elements", json!("auto")),
         (operation, "radial_load_y_n", json!(0)),

@@ -12,6 +12,7 @@ use crate::contract::json::problem::listed;
 use crate::contract::json::shapes::optional_object;
 use crate::contract::json::units::{MRAD, N_M_PER_MRAD, N_PER_UM, UM};
 use raceway_core::physics::bearing::Bearing;
+use raceway_core::physics::frame::shaft::USUAL_DAMPING_RATIO;
 use raceway_core::physics::frame::support::diagonal;
 use raceway_core::physics::statics::shaft::Spring;
 use raceway_core::rotor::input::Seat;
@@ -106,10 +107,6 @@ pub struct OuterTiltInput {
     pub z: Option<f64>,
 }
 
-/// Default damping ratio of a ring on an elastic seat [-], as of the shaft's own modes: a stiff seat without any would swing on, faster than steps
-/// resolve.
-const DAMPING_RATIO: f64 = 0.005;
-
 /// An outer ring in SI.
 pub struct ResolvedOuterRing {
     pub pose: [f64; 5],
@@ -184,7 +181,8 @@ impl OuterRingInput {
         }
         // A stiffness below 0 is refused already.
         let critical = |stiffness: f64, mass: f64| 2.0 * (stiffness * mass).max(0.0).sqrt();
-        let usual = |stiffness: f64, mass: f64| significant(DAMPING_RATIO * critical(stiffness, mass), 6);
+        // As of the shaft's own modes: without any, a stiff seat would swing on, faster than steps resolve.
+        let usual = |stiffness: f64, mass: f64| significant(USUAL_DAMPING_RATIO * critical(stiffness, mass), 6);
         let of_ring = [usual(axial, mass), usual(radial, mass)];
         let damping = defaults.fill(format!("{at}/damping_n_s_per_m"), &mut self.damping_n_s_per_m, of_ring);
         let of_tilt = defaults.fill(of_tilt, &mut self.tilt_damping_n_m_s_per_rad, usual(tilt, inertia));

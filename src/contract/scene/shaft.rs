@@ -10,14 +10,12 @@ use crate::contract::json::shapes::{NameOr, list, optional_list};
 use crate::contract::json::units::{DEG, G_MM, MM};
 use raceway_core::physics::frame::beam::Tube;
 use raceway_core::physics::frame::disc::{Disc, UnbalancePlane};
-use raceway_core::physics::frame::shaft::{Section, Shaft, ShaftMotion};
+use raceway_core::physics::frame::shaft::{Section, Shaft, ShaftMotion, USUAL_DAMPING_RATIO};
 use raceway_core::rotor::input::Elements;
 
 const POINTER: &str = "/scene/shaft";
 const MAX_SECTIONS: usize = 200;
 const MAX_DISCS: usize = 100;
-/// Usual damping ratio of a steel shaft in one piece [-].
-const DAMPING_RATIO: f64 = 0.005;
 
 /// A flexible shaft, from its end at 0 mm along +X. Elements: Timoshenko beams with shear after Cowper, rotary inertia and gyroscopic
 /// moments.
@@ -141,7 +139,7 @@ impl ShaftInput {
         let length_mm: f64 = self.sections.iter().map(|section| section.length_mm).sum();
         let discs = self.discs(defaults, length_mm);
         let unbalances = self.unbalances(defaults, length_mm);
-        let damping = defaults.fill(format!("{POINTER}/damping_ratio"), &mut self.damping_ratio, DAMPING_RATIO);
+        let damping = defaults.fill(format!("{POINTER}/damping_ratio"), &mut self.damping_ratio, USUAL_DAMPING_RATIO);
         defaults.check_of_rotor(&format!("{POINTER}/damping_ratio"), damping);
         let share = defaults.fill(format!("{POINTER}/rotating_share"), &mut self.rotating_share, 0.0);
         defaults.check_of_rotor(&format!("{POINTER}/rotating_share"), share);

@@ -8,12 +8,10 @@ use nalgebra::DMatrix;
 use super::frame::Frame;
 use super::padded::Padded;
 use crate::numerics::ode::phi::exponential;
+use crate::physics::frame::shaft::USUAL_DAMPING_RATIO;
 
 /// Nodes of the inputs: the new one and two before.
 pub(crate) const NODES: usize = 3;
-
-/// Least damping ratio of a motion that steps do not resolve, that of a shaft and of seats by default [-].
-const UNRESOLVED_DAMPING: f64 = 0.005;
 
 /// A step of q̈ + C q̇ + K q = B u over x = (q, q̇).
 #[derive(Debug, Clone)]
@@ -88,14 +86,14 @@ impl ExactStep {
 /// Damping that K and C without the factors of the speed lack for motions above half the rate of steps [s].
 ///
 /// No force of a bearing or a load contains such a frequency. Undamped, the motion that a start or rounding leaves in them never ends, and its samples
-/// are those of a slow one within the band.
+/// are those of a slow one within the band. They get the least damping that a shaft and seats have by default.
 fn unresolved_damping([stiffness, damping]: &[DMatrix<f64>; 2], step: f64) -> DMatrix<f64> {
     let n = stiffness.nrows();
     let eigen = (stiffness + stiffness.transpose()).scale(0.5).symmetric_eigen();
     let mut sum = DMatrix::zeros(n, n);
     for (square, motion) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
         let frequency = square.max(0.0).sqrt();
-        let lacking = 2.0 * UNRESOLVED_DAMPING * frequency - motion.dot(&(damping * motion));
+        let lacking = 2.0 * USUAL_DAMPING_RATIO * frequency - motion.dot(&(damping * motion));
         if frequency * step > PI && lacking > 0.0 {
             sum += motion * motion.transpose() * lacking;
         }

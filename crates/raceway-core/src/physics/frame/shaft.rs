@@ -5,6 +5,9 @@ use super::disc::Disc;
 use crate::physics::material::{GCR15, Material};
 use crate::physics::spindle::SpindleInertia;
 
+/// Usual damping ratio of a steel shaft in one piece [-].
+pub const USUAL_DAMPING_RATIO: f64 = 0.005;
+
 /// A length of the shaft with constant section.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
