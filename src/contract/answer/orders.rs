@@ -503,7 +503,7 @@ mod tests {
             cage_turns += cage / 102_400.0;
         }
         let answer = running.finish();
-        assert_eq!((answer.averages, answer.speed_rpm.len(), answer.names_follow), (2, 2, NamesFollow::Simulated));
+        assert_eq!((answer.averages, answer.speed_rpm.len(), answer.names_follow), (13, 13, NamesFollow::Simulated));
         assert!((answer.turns - 50.0).abs() < 1e-3);
         assert!(
             answer.tracks[0].amplitude.iter().all(|amplitude| (amplitude - 1.0).abs() < 2e-3),

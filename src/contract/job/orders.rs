@@ -29,7 +29,8 @@ pub struct OrdersInput {
     /// Highest order. Default: four times that of BPFI, or the order of 20 kHz at the highest speed if that is lower.
     #[schema(nullable = false, example = 40)]
     pub max_order: Option<f64>,
-    /// Turns of the reference in a block; the order resolution is its reciprocal. Default: 32, or all turns of a shorter run.
+    /// Turns of the reference in a block; the order resolution is its reciprocal. Default: the square root of the recorded turns, rounded
+    /// down, at most 32; a short run has as many blocks as turns in a block.
     #[schema(nullable = false, example = 32)]
     pub turns_per_block: Option<f64>,
     /// Share of a block that the next one repeats. Default 0.5.
@@ -149,7 +150,8 @@ impl OrdersInput {
                 format!("{detail}: 40 kHz at {} Hz, the highest speed of the {}", short(fastest), reference.name()),
             );
         }
-        let block = defaults.fill(format!("{OF}/turns_per_block"), &mut self.turns_per_block, turns.min(32.0).floor());
+        let usual = turns.sqrt().min(32.0).floor();
+        let block = defaults.fill(format!("{OF}/turns_per_block"), &mut self.turns_per_block, usual);
         if !(1.0..=turns).contains(&block) || block.fract() != 0.0 {
             let detail = out_of_range(block, 1.0, turns.floor(), false, "");
             let detail =
@@ -340,7 +342,7 @@ mod tests {
         let (mut input, mut defaults) = (OrdersInput::default(), Defaults::default());
         let request = input.resolve(&run_up(), &mut defaults).unwrap();
         let settings =
-            OrderSettings { reference: Reference::Shaft, max_order: 22.0, turns_per_block: 32, overlap: 0.5 };
+            OrderSettings { reference: Reference::Shaft, max_order: 22.0, turns_per_block: 24, overlap: 0.5 };
         assert_eq!((request.settings, defaults.errors.len()), (settings, 0));
         let names: Vec<&str> = request.tracks.iter().map(|track| track.0.as_str()).collect();
         assert_eq!(names, DEFAULT_TRACKS);
