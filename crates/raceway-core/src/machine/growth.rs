@@ -2,6 +2,7 @@
 
 use super::equations::MachineDynamics;
 use super::input::{Machine, MachineError};
+use crate::numerics::roots::bracketed_root;
 use crate::physics::operation::SpeedProfile;
 use crate::rotor::input::RotorBearing;
 use crate::rotor::system::System;
@@ -27,17 +28,21 @@ pub(super) fn check_growth(
     if 20.0 * std::f64::consts::LOG10_E * efolds <= ALLOWED_DB {
         return Ok(());
     }
+    if machine.rotor.shaft.rotating_share > 0.0 {
+        let cause = "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)";
+        let over = |speeds| GrowthRates::over(machine, dynamics, speeds);
+        let decays_below = over((0.0, speeds[0])).and_then(|rates| rates.threshold());
+        return Err(MachineError::Grows { rate, speeds, cause, decays_below });
+    }
     let of_seats = [dynamics.outer_speed.at(0.0).1; 2];
-    let (speeds, cause) = if machine.rotor.shaft.rotating_share > 0.0 {
-        (speeds, "damping that turns with the shaft drives its whirl (`shaft.rotating_share`)")
-    } else if machine.rotor.bearings.iter().any(RotorBearing::turns_in_own_seat) {
+    let (speeds, cause) = if machine.rotor.bearings.iter().any(RotorBearing::turns_in_own_seat) {
         (of_seats, "damping of a seat that turns with its ring drives a whirl (`operation.outer_speed_rpm`)")
     } else if machine.rotor.supports.is_empty() {
         (speeds, "the bearings do not hold it at this speed")
     } else {
         (speeds, "a support pushes it (`supports`)")
     };
-    Err(MachineError::Grows { rate, speeds, cause })
+    Err(MachineError::Grows { rate, speeds, cause, decays_below: None })
 }
 
 /// Growth over a time.
@@ -58,7 +63,7 @@ fn at_constant_speed(dynamics: &MachineDynamics, duration: f64) -> Option<Growth
 
 /// Growth up to a time [s], each speed taken as constant; `None` where nothing grows, or where the motion is not linear.
 fn over_run_up(machine: &Machine, dynamics: &MachineDynamics, end: f64) -> Option<Growth> {
-    let course = GrowthRates::of(machine, dynamics)?;
+    let course = GrowthRates::over(machine, dynamics, range(&dynamics.speed))?;
     let step = end / TIMES as f64;
     let at = |time: usize| dynamics.speed.at((time as f64 + 0.5) * step).1.abs();
     let growing = (0..TIMES).map(at).map(|speed| (course.at(speed), speed)).filter(|(rate, _)| *rate > 0.0);
@@ -77,18 +82,26 @@ struct GrowthRates {
     first: f64,
     step: f64,
     rates: Vec<f64>,
+    system: System,
 }
 
 impl GrowthRates {
-    fn of(machine: &Machine, dynamics: &MachineDynamics) -> Option<Self> {
-        let (first, last) = range(&dynamics.speed);
+    fn over(machine: &Machine, dynamics: &MachineDynamics, (first, last): (f64, f64)) -> Option<Self> {
         let step = (last - first) / (SPEEDS - 1) as f64;
         let speeds: Vec<f64> = (0..SPEEDS).map(|k| first + k as f64 * step).collect();
         let coordinates = &dynamics.frame.system.coordinates;
         let count = coordinates.frequencies().iter().filter(|frequency| **frequency > 0.0).count();
         let system = System::of(&machine.rotor, coordinates.mesh.clone(), count, &speeds).ok()?;
         let rates = speeds.iter().map(|speed| system.growth_rate(*speed).ok()).collect::<Option<_>>()?;
-        Some(Self { first, step, rates })
+        Some(Self { first, step, rates, system })
+    }
+
+    /// The speed from which on a motion grows up to the last speed [rad/s]; `None` where none decays.
+    fn threshold(&self) -> Option<f64> {
+        let decaying = self.rates.iter().rposition(|rate| *rate <= 0.0)?;
+        let low = self.first + decaying as f64 * self.step;
+        let rate = |speed: f64| self.system.growth_rate(speed).unwrap_or(f64::NAN);
+        Some(bracketed_root(rate, low, low + self.step)).filter(|speed| speed.is_finite())
     }
 
     fn at(&self, speed: f64) -> f64 {

@@ -72,9 +72,9 @@ pub enum MachineError {
     #[error("{}, {cause}. {}", .steps.at(*.time), .steps.remedy(.fastest.as_deref()))]
     Lost { time: f64, cause: Loss, steps: StepsOfLoss, fastest: Option<Box<FastestPart>> },
     /// A motion grows by itself, so that levels would depend on the recorded time. Speeds [rad/s]: the lowest and the highest at which it does,
-    /// of the outer rings where their seats drive it.
-    #[error("a motion grows by {rate:.3} 1/s {}: {cause}", at_speeds(.speeds))]
-    Grows { rate: f64, speeds: [f64; 2], cause: &'static str },
+    /// of the outer rings where their seats drive it; and the speed up to which it decays, where it is known.
+    #[error("a motion grows by {rate:.3} 1/s {}: {cause}{}", at_speeds(.speeds), below(*.decays_below))]
+    Grows { rate: f64, speeds: [f64; 2], cause: &'static str, decays_below: Option<f64> },
     /// More modes of the shaft lie in the range than a run can carry.
     #[error("the shaft has more than {0} modes in the range; give a lower mode_range")]
     TooManyModes(usize),
@@ -160,6 +160,10 @@ impl StepsOfLoss {
             Self::AtStart | Self::Selected(_) | Self::DownTo(_) | Self::Foreseen(_) => remedy,
         }
     }
+}
+
+fn below(speed: Option<f64>) -> String {
+    speed.map_or_else(String::new, |speed| format!(". It decays below {:.0} r/min", 60.0 * speed / TAU))
 }
 
 fn at_speeds(speeds: &[f64; 2]) -> String {

@@ -8,7 +8,8 @@ use nalgebra::{DMatrix, DVector};
 use super::channel::MachineChannel;
 use super::equations::MachineDynamics;
 use super::frame::Frame;
-use super::input::{Machine, MachineBearing, Part, Sensor};
+use super::growth::check_growth;
+use super::input::{Machine, MachineBearing, MachineError, Part, Sensor};
 use super::settings::{MachineSettings, RANGE};
 use super::simulate::simulate;
 use super::start::start_state;
@@ -515,13 +516,11 @@ fn a_run_shows_the_response_to_unbalance() {
     assert!(worst <= 0.1, "{:?}", result.accuracy);
 }
 
-/// Damping that turns along drives the whirl above its threshold speed: the run ends and names the cause.
+/// Damping that turns along drives the whirl above its threshold speed: the run ends and names both. At a speed below the threshold it does not.
 #[test]
 fn whirl_that_its_damping_drives_ends_with_the_cause() {
     let mut machine = motor_spindle();
     (machine.rotor.shaft.damping_ratio, machine.rotor.shaft.rotating_share) = (0.05, 1.0);
-    machine.rotor.speed = 60_000.0 * RPM;
-    machine.speed = SpeedProfile::constant(60_000.0 * RPM).unwrap();
     let settings = MachineSettings {
         settle: Some(0.0),
         duration: 0.5,
@@ -531,6 +530,20 @@ fn whirl_that_its_damping_drives_ends_with_the_cause() {
         envelope: ENVELOPE,
         band_edges: Vec::new(),
     };
-    let error = simulate(&machine, &settings, &Control::until(&|| false)).unwrap_err().to_string();
-    assert!(error.contains("rotating_share"), "{error}");
+    let mut growth = |speed: f64| {
+        machine.rotor.speed = speed;
+        machine.speed = SpeedProfile::constant(speed).unwrap();
+        let dynamics = MachineDynamics::new(&machine, settings.range, &|| false).unwrap();
+        check_growth(&machine, &dynamics, 0.0, 0.5).err()
+    };
+    let threshold_in = |error: &MachineError| match error {
+        MachineError::Grows { decays_below: Some(speed), .. } => *speed,
+        error => panic!("{error}"),
+    };
+    let error = growth(60_000.0 * RPM).unwrap();
+    assert!(error.to_string().contains("rotating_share"), "{error}");
+    let threshold = threshold_in(&error);
+    assert_eq!(growth(0.98 * threshold), None);
+    let above = threshold_in(&growth(1.02 * threshold).unwrap());
+    assert!((above / threshold - 1.0).abs() < 1e-3, "{above} rad/s and {threshold} rad/s");
 }
