@@ -31,7 +31,7 @@ impl App {
 pub struct Access {
     /// Tokens from the environment, in addition to those of the database.
     pub tokens: Tokens,
-    /// Whether the service listens on loopback only. Without tokens the `Host` must then be an address or localhost.
+    /// True if the service listens on loopback only. Without tokens the `Host` must then be an address or localhost.
     pub is_local: bool,
     pub rates: RateLimits,
     /// Largest number of event streams and waiting requests of one owner; `None`: half of all.

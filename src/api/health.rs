@@ -48,7 +48,7 @@ struct StoredResults {
     corrupt: i64,
 }
 
-/// Whether all stored results are known to be what was written.
+/// True where all stored results are known to have the digests of their writing.
 #[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 enum StoredState {

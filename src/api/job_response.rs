@@ -51,7 +51,7 @@ pub struct JobAnswer {
     /// 1 (highest) to 4 (lowest).
     #[schema(minimum = 1, maximum = 4)]
     pub priority: u8,
-    /// Whether an existing result of identical work answered this job.
+    /// True if an existing result of identical work answered this job.
     pub reused: bool,
     /// The request as it was sent.
     #[schema(value_type = JobInput)]

@@ -133,7 +133,7 @@ pub struct WaterfallQuery {
     /// The channel; by default the first of `outputs.orders`, else the first kept series (`…/channels`).
     #[param(example = "spindle.y.acceleration", pattern = r"^[^\u0000]*$")]
     channel: Option<String>,
-    /// What the columns are. Default `hz`.
+    /// Unit of the columns. Default `hz`.
     #[param(inline = false)]
     axis: Option<WaterfallAxis>,
     /// Time of a row [s], for `axis=hz`. Default: the time in which BPFI moves by one bin at the fastest change of speed, at most a sixteenth of the

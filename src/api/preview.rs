@@ -27,7 +27,7 @@ use crate::contract::{
 /// Longest run. What takes longer is no preview: it is a job, which can be waited for.
 const LONGEST: Duration = Duration::from_secs(10);
 
-/// What a preview finds.
+/// Outcome of a preview.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct PreviewAnswer {
     /// Metrics, as those of a job.

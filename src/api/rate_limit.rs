@@ -21,7 +21,7 @@ pub struct RateLimits {
     of_owners: Mutex<HashMap<Owner, OfOwner>>,
 }
 
-/// What an owner has left.
+/// Rest of the rates of an owner.
 #[derive(Debug)]
 struct OfOwner {
     requests: f64,
@@ -41,7 +41,7 @@ struct Limit {
     is_rate: bool,
 }
 
-/// What the limits of unfinished work leave after a submission, by name. It travels in the extensions of a response.
+/// Rests of the limits of unfinished work after a submission, by name. It travels in the extensions of a response.
 #[derive(Debug, Clone, Default)]
 pub struct LeftPlaces(pub Vec<(&'static str, Left)>);
 

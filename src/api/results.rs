@@ -213,7 +213,7 @@ pub struct SpectrumQuery {
     /// Kind of spectrum; default `amplitude`.
     #[param(inline = false)]
     kind: Option<SpectrumKind>,
-    /// What the values are; default `amplitude`.
+    /// Kind of the values; default `amplitude`.
     #[param(inline = false)]
     scaling: Option<SpectrumScaling>,
     /// Motion that is shown; default: that of the channel. Bins below 10 Hz, and the first two, are left out of an integrated spectrum.

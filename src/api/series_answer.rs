@@ -133,7 +133,7 @@ enum Step {
     Points(Column),
 }
 
-/// What is written of each point.
+/// Values that are written of each point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Column {
     /// Times with commas between them.
@@ -164,7 +164,7 @@ struct Points {
     thinning: Option<Thinning>,
     /// Place of the next value.
     at: usize,
-    /// Whether no point has been written.
+    /// True if no point has been written.
     is_first: bool,
 }
 

@@ -208,7 +208,7 @@ pub(super) fn of_csv(rate_hz: Option<f64>, body: &[u8]) -> Result<Samples, Refus
     samples(rate_hz, values, "")
 }
 
-/// Whether a line that is no number is a heading: it begins with a word. Anything else is a wrong value, which must not be passed over.
+/// True if a line that is no number is a heading: it begins with a word. Anything else is a wrong value, which must not be passed over.
 fn is_heading(line: &str) -> bool {
     line.trim_start_matches(['"', '#', ' ']).starts_with(|first: char| first.is_alphabetic() || first == '_')
 }

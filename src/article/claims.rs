@@ -47,7 +47,7 @@ pub struct Finding {
     pub name: &'static str,
     pub verdict: Verdict,
     pub seen: String,
-    /// Whether the trend is smaller than ten times its error, so that it confirms nothing.
+    /// True if the trend is smaller than ten times its error, so that it confirms nothing.
     pub unresolved: bool,
 }
 

@@ -15,7 +15,7 @@ pub struct Parameter {
     pub unit: &'static str,
     from: f64,
     to: f64,
-    /// Whether the logarithm of the parameter is sampled uniformly.
+    /// True if the logarithm of the parameter is sampled uniformly.
     logarithmic: bool,
     set: fn(&mut Value, f64),
 }

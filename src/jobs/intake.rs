@@ -38,9 +38,9 @@ enum Reply {
 pub struct Submitted {
     /// The record of the first answer.
     pub record: JobRecord,
-    /// Whether an earlier submission with the same idempotency key created the job.
+    /// True if an earlier submission with the same idempotency key created the job.
     pub replayed: bool,
-    /// What is left of the limit of single jobs, or of points for a study.
+    /// Rest of the limit of single jobs, or of points for a study.
     pub left: Left,
 }
 

@@ -92,7 +92,7 @@ struct Row {
     claim: i64,
     /// 0: the job started inline and has no delivery.
     delivery: i64,
-    /// Whether the heartbeat is recent.
+    /// True if the heartbeat is recent.
     fresh: bool,
     result: bool,
     cause: Option<String>,

@@ -87,7 +87,7 @@ pub struct JobRecord {
     pub failure: Option<Failure>,
 }
 
-/// What is remembered of an expired job.
+/// Record of an expired job.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExpiredJob {
     pub id: Uuid,

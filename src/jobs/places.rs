@@ -24,7 +24,7 @@ impl Default for WorkLimits {
     }
 }
 
-/// What a submission left of one limit.
+/// Rest of one limit after a submission.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Left {
     /// Largest number of this owner.
@@ -78,7 +78,7 @@ impl Places {
         }
     }
 
-    /// What is left for an owner, of single jobs or of points.
+    /// Rest of the limit of an owner, of single jobs or of points.
     pub fn left(&self, owner: &str, points: bool) -> Left {
         let (all, limit) = self.limits_of(points);
         let used_by_all: u64 = self.unfinished.values().map(|work| work.of(points)).sum();

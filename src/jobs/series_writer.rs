@@ -38,7 +38,7 @@ pub struct SeriesWriter {
 /// The series of one attempt.
 struct Recording {
     result: Uuid,
-    /// Whether chunks are stored.
+    /// True if chunks are stored.
     is_stored: bool,
     series: BTreeMap<usize, Series>,
     chunks: Vec<Chunk>,

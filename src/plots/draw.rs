@@ -39,7 +39,7 @@ use raceway_core::simulation::result::lines::Line;
 pub struct VaryingSpeed {
     /// Least and greatest shaft speed [r/min]; `None` where it is constant.
     pub range_rpm: Option<[f64; 2]>,
-    /// Whether the run has a waterfall.
+    /// True if the run has a waterfall.
     pub has_waterfall: bool,
 }
 
@@ -98,7 +98,7 @@ fn smeared_svg(title: &str, curves: &[SpectrumCurve<'_>], [from, to]: [f64; 2], 
     spectrum_svg(title, &subtitle, curves, has_waterfall.then_some("waterfall.svg"))
 }
 
-/// Whether the plots of a machine job show a channel: those of its sensors, or without any, of the bearings' inner rings along Y.
+/// True if the plots of a machine job show a channel: those of its sensors, or without any, of the bearings' inner rings along Y.
 pub fn is_of_machine(channel: &str, has_sensors: bool) -> bool {
     if has_sensors { channel.starts_with("sensor.") } else { channel.ends_with(".y.acceleration") }
 }
@@ -574,7 +574,7 @@ fn plain_waterfall(answer: &WaterfallAnswer) -> Waterfall<'_> {
     }
 }
 
-/// Whether a channel is the spindle's velocity, acceleration or displacement.
+/// True if a channel is the spindle's velocity, acceleration or displacement.
 pub fn is_of_spindle(channel: &str, quantity: &str) -> bool {
     let parts: Vec<&str> = channel.split('.').collect();
     matches!(parts.as_slice(), ["spindle", _, of] if *of == quantity)

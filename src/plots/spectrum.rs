@@ -144,7 +144,7 @@ struct Label {
 }
 
 impl Label {
-    /// Whether the texts overlap, or the leader of the higher label crosses the text of the lower one.
+    /// True if the texts overlap, or the leader of the higher label crosses the text of the lower one.
     fn collides(&self, other: &Label) -> bool {
         let (upper, lower) = if self.row > other.row { (self, other) } else { (other, self) };
         if upper.row == lower.row {

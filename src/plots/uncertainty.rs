@@ -13,7 +13,7 @@ pub struct SpreadPanel {
     pub marks: Vec<(String, f64)>,
     /// Inputs with their share of the variance and its interval, the largest first.
     pub bars: Vec<(String, f64, [f64; 2])>,
-    /// What the bars are, or why there are none.
+    /// Meaning of the bars, or the reason why there are none.
     pub ranking: String,
 }
 

@@ -122,7 +122,7 @@ fn even_step(values: &[f64]) -> Option<f64> {
     (step != 0.0 && step.is_finite() && values.iter().enumerate().all(is_even)).then_some(step)
 }
 
-/// Whether the values are spaced logarithmically, over a wide enough range.
+/// True if the values are spaced logarithmically, over a wide enough range.
 fn is_logarithmic(values: &[f64]) -> bool {
     let (least, most) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
     if values.len() < 3 || least <= 0.0 || most / least < MIN_RATIO_LOGARITHMIC {

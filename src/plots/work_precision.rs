@@ -239,7 +239,7 @@ fn free_place(
     })
 }
 
-/// Whether a straight line crosses a rectangle, by clipping it at each side.
+/// True if a straight line crosses a rectangle, by clipping it at each side.
 fn crosses(((x, y), to): Segment, frame: Frame) -> bool {
     let (dx, dy) = (to.0 - x, to.1 - y);
     let (mut begin, mut end) = (0.0_f64, 1.0_f64);

@@ -1,4 +1,4 @@
-//! What an engineer reads first: levels of one acceleration in the units and references of the trade.
+//! The numbers that an engineer reads first: levels of one acceleration in the units and references of the trade.
 
 use raceway_core::simulation::recording::bands::{Band, BandMetrics};
 use serde::{Deserialize, Serialize};

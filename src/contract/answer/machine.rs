@@ -46,14 +46,14 @@ pub struct MachineAnswer {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeName>,
-    /// What each bearing did, by its name.
+    /// Loads and motion of each bearing, by its name.
     pub bearings: BTreeMap<String, MachineBearingAnswer>,
     /// How neighbouring bearings face each other by `faces`, along the shaft; of bearings that carry thrust one way. Absent with fewer than two.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub arrangements: Vec<ArrangementAnswer>,
     /// Natural motions of shaft and bearings, linear about the operating point, below 20 kHz.
     pub natural_frequencies: Vec<NaturalFrequencyAnswer>,
-    /// Whether every natural motion decays at the operating speed by the linear analysis, without tractions of balls and pockets of cages; absent where
+    /// True if every natural motion decays at the operating speed by the linear analysis, without tractions of balls and pockets of cages; absent where
     /// supports and loaded bearings leave a motion free.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
@@ -116,7 +116,7 @@ pub struct MachineChannelAnswer {
     pub bands: Vec<BandAnswer>,
 }
 
-/// What a bearing did over the recorded time.
+/// Loads and motion of a bearing over the recorded time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MachineBearingAnswer {
     /// Turns of the shaft [Hz].

@@ -26,7 +26,7 @@ pub struct MachinePlanAnswer {
     /// Pointers to the fields of the job that got their default. Those inside a bearing are not among them.
     #[schema(example = json!(["/duration_s"]))]
     pub defaults: Vec<String>,
-    /// What follows of each bearing, in their order.
+    /// Derived numbers of each bearing, in their order.
     pub bearings: Vec<PlannedBearingAnswer>,
     /// Number of coordinates of shaft and housing: rigid motions, modes and residual vectors.
     pub coordinates: u64,
@@ -46,7 +46,7 @@ pub struct MachinePlanAnswer {
     pub warnings: Vec<FieldError>,
 }
 
-/// What follows of a bearing before the run.
+/// Derived numbers of a bearing before the run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PlannedBearingAnswer {
     /// Name in the job.

@@ -23,7 +23,7 @@ const MOST_LISTED: usize = 20;
 /// Difference of the speeds from which on a note says so [-].
 const OTHER_SPEED: f64 = 0.02;
 
-/// What a comparison needs of a prediction.
+/// Parts of a prediction that a comparison needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
     /// Amplitude spectrum of the channel.
@@ -36,7 +36,7 @@ pub struct Prediction {
     pub envelope_lines: Vec<LineAnswer>,
     pub level_error_db: Option<f64>,
     pub level_scatter_db: Option<f64>,
-    /// Whether the level of the channel is resolved.
+    /// True if the level of the channel is resolved.
     pub is_resolved: bool,
 }
 

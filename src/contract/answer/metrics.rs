@@ -372,7 +372,7 @@ fn headline_answer(metrics: &ChannelMetrics, of: &BandMetrics, speed_rpm: Option
     HeadlineAnswer::of(HEADLINE.to_string(), metrics.rms, metrics.peak, of, bands_of(of, HEADLINE, speed_rpm))
 }
 
-/// Whether hydrodynamic forces act in grease because a friction moment is asked for.
+/// True if hydrodynamic forces act in grease because a friction moment is asked for.
 fn adds_forces_for_friction(simulation: &Simulation) -> bool {
     let (scene, outputs) = (simulation.scene(), &simulation.settings.outputs);
     let is_open = scene.terms.get(Term::Hydrodynamics) == TermChoice::Auto;

@@ -27,7 +27,7 @@ pub struct OptimumAnswer {
     /// Pointer to the metric.
     #[schema(example = "/channels/spindle.y.acceleration/level_db")]
     pub metric: String,
-    /// Whether the metric was minimized or maximized.
+    /// Direction of the search.
     pub goal: GoalName,
     /// The varied fields and their ranges.
     pub axes: Vec<RangeAnswer>,
@@ -36,7 +36,7 @@ pub struct OptimumAnswer {
     pub point: Map<String, Value>,
     /// The metric at this point; of a robust optimum its statistic over the inputs, by the repeated runs.
     pub value: f64,
-    /// What `value` is of the metric over the uncertain inputs; absent without inputs.
+    /// Statistic of the metric over the uncertain inputs that `value` holds; absent without inputs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<StatisticChoice>)]
     pub statistic: Option<StatisticInput>,

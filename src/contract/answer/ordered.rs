@@ -1,4 +1,4 @@
-//! What a request names as one orders it, and the numbers that follow: designation, clearance group, oil.
+//! Order codes of a request, and the numbers that follow: designation, clearance group, oil.
 
 use raceway_core::physics::designation::{Designation, Suffix};
 use raceway_core::physics::oil::WALTHER_LOWEST;
@@ -77,7 +77,7 @@ pub struct SeatAnswer {
     pub ring_limits_um: [f64; 2],
     /// Interference between the middles of both [µm]; negative: a loose fit, which takes no clearance.
     pub interference_um: f64,
-    /// What the interference assumes.
+    /// Assumption of the interference.
     pub assumption: String,
 }
 

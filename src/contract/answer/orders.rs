@@ -30,7 +30,7 @@ pub struct AnalysedSignal {
     pub start_s: f64,
     /// Time between values [s].
     pub step_s: f64,
-    /// Whether the simulated speeds of cage and ball of every bearing are known.
+    /// True if the simulated speeds of cage and ball of every bearing are known.
     pub is_simulated: bool,
 }
 
@@ -154,7 +154,7 @@ pub struct WaterfallAnswer {
     pub amplitude: Vec<f32>,
 }
 
-/// What the columns of a waterfall are. `hz`: frequencies, of windows of equal time. `order`: orders, of blocks of equal angle.
+/// Unit of the columns of a waterfall. `hz`: frequencies, of windows of equal time. `order`: orders, of blocks of equal angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub enum WaterfallAxis {
     #[serde(rename = "hz")]

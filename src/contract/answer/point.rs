@@ -58,7 +58,7 @@ pub struct PointError {
     pub errors: Vec<FieldError>,
 }
 
-/// What the samples of a point say.
+/// Statistics of the samples of a point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SamplesAnswer {
     /// Number of samples that have succeeded. A metric that more than 5 % of all samples do not have has no statistic.

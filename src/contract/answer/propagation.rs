@@ -49,9 +49,9 @@ pub struct UncertaintyAnswer {
     pub seed: u64,
     /// The uncertain inputs, independent of each other.
     pub inputs: Vec<InputAnswer>,
-    /// What the points say of each metric, by its pointer. A metric that fewer than two points have is absent.
+    /// Statistics of each metric over the points, by its pointer. A metric that fewer than two points have is absent.
     pub metrics: BTreeMap<String, MetricSpreadAnswer>,
-    /// What a user should know, over all metrics.
+    /// Messages that concern all metrics.
     pub messages: Vec<MessageAnswer>,
 }
 
@@ -61,7 +61,7 @@ pub struct InputAnswer {
     /// Path into the scene, or quantity.
     #[schema(example = "/spindle/mass_kg")]
     pub input: String,
-    /// What its distribution supposes.
+    /// Assumption of its distribution.
     #[schema(example = "normal, mean 0.67, standard deviation 0.05, not cut")]
     pub assumption: String,
     /// Value of the nominal point: the median, the nominal value of a tolerance, or the most probable of several values.
@@ -99,7 +99,7 @@ pub struct MetricSpreadAnswer {
     pub sensitivity: Option<SensitivityAnswer>,
     /// Errors of four kinds. They have different meanings and are never added.
     pub errors: SpreadErrorsAnswer,
-    /// Whether the spread is well above the integration error.
+    /// Judgement of the spread against the integration error.
     pub verdict: SpreadVerdict,
 }
 
@@ -141,7 +141,7 @@ pub struct SensitivityAnswer {
     /// of inputs, roughness and noise. May be below 0.
     #[schema(maximum = 1)]
     pub q2: f64,
-    /// Whether Q² is at least 0.5.
+    /// True if Q² is at least 0.5.
     pub resolved: bool,
     /// Shares of the inputs, in the order of the request.
     pub inputs: Vec<InputShareAnswer>,
@@ -311,7 +311,7 @@ impl MetricSpreadAnswer {
     }
 }
 
-/// What a user should know of a metric's spread.
+/// Messages about a metric's spread.
 fn messages_of(metric: &str, of: &MetricSpreadAnswer) -> Vec<MessageAnswer> {
     let without = of.without_value as f64 / (of.values + of.without_value) as f64;
     let failed = (without > MANY_FAILED).then(|| spread::failed_samples(metric, without));

@@ -133,7 +133,7 @@ fn coefficients(support: &ModelSupportAnswer, version: RossVersion) -> String {
     text + &format!(", {}={}", version.of_table(), if is_table { "speeds" } else { "table" })
 }
 
-/// What the script leaves out, in sentences.
+/// Parts that the script leaves out, in sentences.
 fn dropped(model: &RotorModelAnswer) -> Option<String> {
     let nodes_with = |is_dropped: fn(usize, usize) -> bool| -> Option<String> {
         let has_any = |support: &&ModelSupportAnswer| {

@@ -98,7 +98,7 @@ pub enum WhirlName {
 pub struct OperatingAnswer {
     /// [r/min]
     pub speed_rpm: f64,
-    /// Whether every motion decays by this analysis. Tractions of balls and pockets of cages, which can drive a whirl, are left out.
+    /// True if every motion decays by this analysis. Tractions of balls and pockets of cages, which can drive a whirl, are left out.
     pub is_stable: bool,
     /// Largest growth rate of a motion, oscillating or not [1/s]; negative: the slowest decay.
     pub growth_rate_per_s: f64,

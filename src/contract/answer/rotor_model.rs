@@ -29,7 +29,7 @@ pub struct RotorModelAnswer {
     pub unbalances: Vec<ModelUnbalanceAnswer>,
     /// Supports, then bearings, with their complete matrices over x, y, z, β_y, β_z.
     pub supports: Vec<ModelSupportAnswer>,
-    /// Whether housing bodies or outer rings move; the model leaves them out.
+    /// True if housing bodies or outer rings move; the model leaves them out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub leaves_out_housing: bool,
     /// Terms that the analysis is without because the scene switches them off. Their data stand here all the same.
@@ -90,7 +90,7 @@ pub struct ModelSupportAnswer {
 }
 
 impl RotorModelAnswer {
-    /// Whether the shaft is a rigid spindle: every shaft of a request has mass.
+    /// True if the shaft is a rigid spindle: every shaft of a request has mass.
     pub fn is_rigid_spindle(&self) -> bool {
         self.density_kg_m3 == 0.0
     }

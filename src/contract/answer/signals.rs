@@ -20,7 +20,7 @@ pub struct SpectrumAnswer {
     pub channel: String,
     /// Amplitude or envelope spectrum.
     pub kind: SpectrumKind,
-    /// What `amplitude` holds.
+    /// Kind of the values in `amplitude`.
     #[serde(default)]
     #[schema(required = true)]
     pub scaling: SpectrumScaling,
@@ -66,7 +66,7 @@ pub enum SpectrumKind {
     Envelope,
 }
 
-/// What the values of a spectrum are. `amplitude`: of a sine. `rms`: its root mean square. `psd`: power spectral density, amplitude² / (2 · noise
+/// Kind of the values of a spectrum. `amplitude`: of a sine. `rms`: its root mean square. `psd`: power spectral density, amplitude² / (2 · noise
 /// bandwidth · resolution), whose sum times the resolution is the mean square.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]

@@ -89,7 +89,7 @@ pub struct RacewaySurfaceAnswer {
     pub defects: Vec<DefectAnswer>,
 }
 
-/// What a ball feels of a defect at the largest speed and ideal rolling. Times are absent at rest.
+/// Passage of a ball over a defect at the largest speed and ideal rolling. Times are absent at rest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DefectAnswer {
     /// Drop of a ball that rests on both edges, by length and relative curvature alone [µm].

@@ -59,7 +59,7 @@ pub struct Row {
     pub point: Map<String, Value>,
     /// Status of the point.
     pub status: PointStatus,
-    /// Whether the metrics are those of an identical finished simulation.
+    /// True if the metrics are those of an identical finished simulation.
     #[serde(default)]
     pub reused: bool,
     /// The metrics of the simulation, without `lines` and `left_out`; present once it has succeeded. With uncertain inputs the `statistic` of each number over
@@ -67,7 +67,7 @@ pub struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Option<BTreeMap<String, Value>>)]
     pub metrics: Option<Value>,
-    /// What the samples of the point say; absent without uncertain inputs.
+    /// Statistics of the samples of the point; absent without uncertain inputs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub samples: Option<SamplesAnswer>,
@@ -113,7 +113,7 @@ pub struct TrendAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub error: Option<f64>,
-    /// Whether the estimated error of each point is less than a tenth of the span; absent where the errors are unknown.
+    /// True if the estimated error of each point is less than a tenth of the span; absent where the errors are unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub resolved: Option<bool>,

@@ -92,7 +92,7 @@ impl ViewsAnswer {
         }
     }
 
-    /// Whether there are no data.
+    /// True if there are no data.
     pub fn is_empty(&self) -> bool {
         self.traces.is_empty() && self.orbits.is_empty() && self.loads.is_none()
     }

@@ -155,7 +155,7 @@ pub struct DistributionInput {
 pub struct Sampled {
     pub varied: Varied,
     values: Values,
-    /// What the distribution supposes, as a sentence.
+    /// Assumption of the distribution, as a sentence.
     pub assumption: String,
 }
 
@@ -165,7 +165,7 @@ enum Values {
     Levels { shares: Discrete, values: Vec<Value> },
 }
 
-/// What a clearance group needs of the scene.
+/// Dimensions of the scene that a clearance group needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoreAndLoss {
     pub bore_mm: f64,
@@ -219,7 +219,7 @@ impl Sampled {
         }
     }
 
-    /// Whether the input rises from its first to its last value.
+    /// True if the input rises from its first to its last value.
     pub fn is_ordered(&self) -> bool {
         matches!(self.values, Values::Numbers { .. })
     }

@@ -20,7 +20,7 @@ use crate::contract::scene::scene_input::SceneInput;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobInput {
-    /// What the job computes.
+    /// Kind of the computation.
     #[schema(value_type = JobKindName)]
     pub kind: String,
     /// Bearing, operation and everything else that is simulated.
@@ -91,7 +91,7 @@ pub struct JobInput {
     #[serde(default, deserialize_with = "whole_number::<_, 1, 4>")]
     #[schema(nullable = false, example = 2)]
     pub priority: Option<u32>,
-    /// Whether the result of an identical finished job may be returned. Default true; never for `accuracy`.
+    /// True if the result of an identical finished job may be returned. Default true; never for `accuracy`.
     #[schema(nullable = false)]
     pub reuse: Option<bool>,
     /// Time that the job and its result are kept after its end [s]. Default: set by the service.

@@ -78,7 +78,7 @@ impl JobKind {
         }
     }
 
-    /// Whether a job of this kind, by name, is run point by point.
+    /// True if a job of this kind, by name, is run point by point.
     pub fn has_points(name: &str) -> bool {
         [Self::Study, Self::Uncertainty].map(Self::name).contains(&name)
     }

@@ -43,7 +43,7 @@ const MAX_VALUES: f64 = 3.2e7;
 #[serde(deny_unknown_fields)]
 #[schema(as = MachineJob)]
 pub struct MachineInput {
-    /// What the job computes: `machine`.
+    /// Kind of the computation: `machine`.
     pub kind: String,
     /// The shaft on its bearings. A `rotor` job takes the same scene.
     #[serde(deserialize_with = "object")]
@@ -79,7 +79,7 @@ pub struct MachineInput {
     #[serde(default, deserialize_with = "whole_number::<_, 1, 4>")]
     #[schema(nullable = false, example = 2)]
     pub priority: Option<u32>,
-    /// Whether the result of an identical finished job may be returned. Default true.
+    /// True if the result of an identical finished job may be returned. Default true.
     #[schema(nullable = false)]
     pub reuse: Option<bool>,
     /// Time that the job and its result are kept after its end [s]. Default: set by the service.
@@ -171,7 +171,7 @@ pub struct MachineOutputsInput {
     /// 2000 to 20 000.
     #[schema(nullable = false, example = json!([2000, 20000]))]
     pub envelope_band_hz: Option<[f64; 2]>,
-    /// What the spectrum of the envelope is of. Default: `magnitude`.
+    /// Kind of envelope whose spectrum is taken. Default: `magnitude`.
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeName>,
     /// Rising edges of the bands in which accelerations are summed [Hz], 2 to 17 of them, from 1 to 20 000. Default: 50, 300, 1800, 10 000.

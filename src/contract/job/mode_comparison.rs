@@ -35,7 +35,7 @@ const MAX_RANGES: usize = 12;
 #[serde(deny_unknown_fields)]
 #[schema(as = ShaftAccuracyJob)]
 pub struct ModeComparisonInput {
-    /// What the job computes: `accuracy`.
+    /// Kind of the computation: `accuracy`.
     pub kind: String,
     /// The shaft on its bearings, as of a `machine` job; `shaft` is required.
     #[serde(deserialize_with = "object")]

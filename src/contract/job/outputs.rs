@@ -35,7 +35,7 @@ pub struct OutputsInput {
     /// 2000 to 20 000.
     #[schema(nullable = false, example = json!([2000, 20000]))]
     pub envelope_band_hz: Option<[f64; 2]>,
-    /// What the spectrum of the envelope is of. Default: `magnitude`.
+    /// Kind of envelope whose spectrum is taken. Default: `magnitude`.
     #[schema(nullable = false)]
     pub envelope: Option<EnvelopeName>,
     /// Rising edges of the bands in which accelerations are summed [Hz], 2 to 17 of them, from 1 to 20 000. Default: 50, 300, 1800, 10 000.

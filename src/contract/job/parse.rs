@@ -154,7 +154,7 @@ fn job_or_scene(request: Value, job: impl FnOnce(Value) -> Result<Job, Refusal>)
     job(request)
 }
 
-/// Whether the request is a scene alone.
+/// True if the request is a scene alone.
 fn is_scene(request: &Value) -> bool {
     let has = |field: &str| request.get(field).is_some();
     !has("kind") && !has("scene") && (has("bearing") || has("operation"))

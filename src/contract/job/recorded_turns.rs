@@ -1,4 +1,4 @@
-//! What an order analysis knows of a run: the turns of its shaft and the ideal speeds in its bearings.
+//! Data of a run for an order analysis: the turns of its shaft and the ideal speeds in its bearings.
 
 use raceway_core::machine::input::Machine;
 use raceway_core::orders::angle::ShaftAngle;

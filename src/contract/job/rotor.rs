@@ -32,7 +32,7 @@ const MAX_SPEEDS: usize = 1000;
 #[serde(deny_unknown_fields)]
 #[schema(as = RotorJob)]
 pub struct RotorInput {
-    /// What the job computes: `rotor`.
+    /// Kind of the computation: `rotor`.
     pub kind: String,
     /// The shaft on its supports.
     #[serde(deserialize_with = "object")]
@@ -52,7 +52,7 @@ pub struct RotorInput {
     #[serde(default, deserialize_with = "whole_number::<_, 1, 4>")]
     #[schema(nullable = false, example = 2)]
     pub priority: Option<u32>,
-    /// Whether the result of an identical finished job may be returned. Default true.
+    /// True if the result of an identical finished job may be returned. Default true.
     #[schema(nullable = false)]
     pub reuse: Option<bool>,
     /// Time that the job and its result are kept after its end [s]. Default: set by the service.

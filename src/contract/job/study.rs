@@ -38,7 +38,7 @@ pub struct Axis {
     pub values: Vec<Value>,
     /// Index among the axes of the request.
     index: usize,
-    /// Whether the request lists the values; otherwise it gives their ends.
+    /// True if the request lists the values; otherwise it gives their ends.
     is_listed: bool,
 }
 
@@ -304,7 +304,7 @@ impl Study {
         first.map_or(Ok(()), |refusal| Err(refusal.map_errors(at_point)))
     }
 
-    /// Whether the result of an identical finished simulation may be returned for a point.
+    /// True if the result of an identical finished simulation may be returned for a point.
     pub fn reuses(&self) -> bool {
         self.base.submission.reuse
     }

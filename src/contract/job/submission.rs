@@ -12,7 +12,7 @@ pub struct Submission {
     pub labels: Vec<String>,
     /// 1 (first) to 4 (last).
     pub priority: u8,
-    /// Whether the result of an identical finished job may be returned.
+    /// True if the result of an identical finished job may be returned.
     pub reuse: bool,
     /// Time that the job is kept after its end [s].
     pub keep_for_s: Option<f64>,

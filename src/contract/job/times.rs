@@ -35,7 +35,7 @@ pub fn default_duration(scene: Option<&Scene>, settle: f64) -> f64 {
     let speeds = scene.into_iter().flat_map(|scene| [&scene.operation.speed, &scene.operation.outer_speed]);
     let changing = speeds.filter(|speed| !speed.is_constant());
     let of_speed = changing.map(|speed| speed.end() - settle).fold(0.0, f64::max);
-    // What a load excites comes after it.
+    // The motion that a load excites comes after it.
     let of_loads =
         scene.and_then(|scene| scene.operation.end_of_load_changes()).map_or(0.0, |end| end - settle + passes);
     let profile = of_speed.max(of_loads).min(MAX_PROFILE);

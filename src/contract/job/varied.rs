@@ -62,18 +62,18 @@ impl Varied {
         }
     }
 
-    /// Whether both set the same field, or one a part of the other: the second would overwrite the first.
+    /// True if both set the same field, or one a part of the other: the second would overwrite the first.
     pub fn overlaps(&self, other: &Self) -> bool {
         self.path().iter().zip(&other.path()).all(|(a, b)| a == b)
     }
 
-    /// Whether the field at a pointer into the request is the one that is set, or a part of it.
+    /// True if the field at a pointer into the request is the one that is set, or a part of it.
     pub fn sets(&self, pointer: &str) -> bool {
         let field = pointer.strip_prefix("/scene").and_then(tokens);
         field.is_some_and(|field| field.starts_with(&self.path()))
     }
 
-    /// Whether values may be names as well as numbers.
+    /// True if values may be names as well as numbers.
     pub fn takes_names(&self) -> bool {
         self.target != Target::AxialLoadOverRating
     }

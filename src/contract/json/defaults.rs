@@ -21,7 +21,7 @@ pub struct Defaults {
     unread: Vec<FieldError>,
     /// Series that loads may name.
     pub uploads: Uploads,
-    /// Whether another bearing replaces the requested one, so that the other fields can still be checked.
+    /// True if another bearing replaces the requested one, so that the other fields can still be checked.
     has_substitute: bool,
 }
 
@@ -36,7 +36,7 @@ impl Defaults {
         Self { unread: unread.to_vec(), ..Self::with(uploads) }
     }
 
-    /// Whether the field was given, but could not be read.
+    /// True if the field was given, but could not be read.
     pub fn is_unread(&self, pointer: &str) -> bool {
         self.unread.iter().any(|error| error.concerns(pointer))
     }
@@ -46,7 +46,7 @@ impl Defaults {
         self.has_substitute = true;
     }
 
-    /// Whether another bearing replaces the requested one.
+    /// True if another bearing replaces the requested one.
     pub fn is_substituted(&self) -> bool {
         self.has_substitute
     }
@@ -74,7 +74,7 @@ impl Defaults {
         self.errors.push(FieldError::new(pointer, detail));
     }
 
-    /// What a constructor of `physics` returns; `None` after its errors were noted.
+    /// Value of a constructor of `physics`; `None` after its errors were noted.
     pub fn built<T>(&mut self, result: Result<T, Vec<InvalidParameter>>) -> Option<T> {
         result
             .map_err(|errors| {

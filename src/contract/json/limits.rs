@@ -20,7 +20,7 @@ pub struct FieldLimits {
     pointer: &'static str,
     pub lowest: f64,
     pub highest: f64,
-    /// Whether the lowest value itself is refused.
+    /// True if the lowest value itself is refused.
     pub exclusive: bool,
     pub unit: &'static str,
 }

@@ -42,7 +42,7 @@ impl FieldError {
         Self { pointer: cut(pointer.into(), MAX_POINTER), detail: cut(detail.into(), MAX_DETAIL) }
     }
 
-    /// Whether the pointer leads to this field, into it, or to an object that contains it.
+    /// True if the pointer leads to this field, into it, or to an object that contains it.
     pub fn concerns(&self, pointer: &str) -> bool {
         let within = |inner: &str, outer: &str| {
             inner.strip_prefix(outer).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))

@@ -33,7 +33,7 @@ pub fn typed<T: DeserializeOwned>(value: &Value, base: &str) -> Result<T, FieldE
     })
 }
 
-/// What serde reports of a wrong type where it expects one of several names.
+/// Message of serde for a wrong type where it expects one of several names.
 const EXPECTS_NAME: [&str; 2] = ["expected string or map", "expected map with a single key"];
 
 /// The names that a field takes, from serde's error for an unknown one; `None` where that error does not list them.

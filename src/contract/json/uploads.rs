@@ -32,7 +32,7 @@ impl Uploads {
     }
 }
 
-/// Whether a text has the form of a content hash.
+/// True if a text has the form of a content hash.
 pub fn is_content_hash(text: &[u8]) -> bool {
     text.len() == HASH_LENGTH && text.iter().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f'))
 }

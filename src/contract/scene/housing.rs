@@ -19,7 +19,7 @@ const MAX_MOUNTS: usize = 16;
 /// Density of the cube that gives the default inertia [kg/m³].
 const STEEL: f64 = 7850.0;
 
-/// What holds bearings and supports: rigid `bodies` on `mounts`, and a structure that another program has reduced to `ports`, as `modes` or `matrices`.
+/// Structure that holds bearings and supports: rigid `bodies` on `mounts`, and a structure that another program has reduced to `ports`, as `modes` or `matrices`.
 /// A body moves along x, y and z and tilts about y and z; its roll is held. A port moves in the same way.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

@@ -120,7 +120,7 @@ pub struct OperatingClearance {
     pub temperature_um: f64,
     /// Clearance of the simulated bearing.
     pub operating_um: f64,
-    /// Whether fits are given.
+    /// True if fits are given.
     pub has_fits: bool,
     /// Seats whose tolerance class is named.
     pub shaft: Option<Seat>,
@@ -193,7 +193,7 @@ fn no_group(group: ClearanceGroup, bore: f64) -> String {
 }
 
 impl FitsInput {
-    /// Whether a fit is given, and not only a size of shaft or housing.
+    /// True if a fit is given, and not only a size of shaft or housing.
     fn is_given(&self) -> bool {
         let classes = [&self.shaft, &self.housing].into_iter().any(Option::is_some);
         classes || [self.shaft_interference_um, self.housing_interference_um].into_iter().any(|one| one.is_some())

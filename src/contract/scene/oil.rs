@@ -53,7 +53,7 @@ pub struct OrderedOil {
 }
 
 impl OrderedOil {
-    /// Whether the request names an oil at all.
+    /// True if the request names an oil at all.
     pub fn is_given(&self) -> bool {
         self.grade.is_some() || self.viscosity_40.is_some() || self.viscosity_100.is_some()
     }

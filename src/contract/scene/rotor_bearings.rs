@@ -118,7 +118,7 @@ pub fn resolve(
 }
 
 impl RotorBearingInput {
-    /// Whether a spring presses on its outer ring.
+    /// True if a spring presses on its outer ring.
     pub(super) fn has_spring(&self) -> bool {
         self.outer_ring.as_ref().is_some_and(|ring| ring.seat == Some(OuterRingSeatName::Sliding))
     }

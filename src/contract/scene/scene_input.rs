@@ -73,11 +73,11 @@ pub struct ResolvedScene {
     pub defaults: Vec<String>,
     pub scene: Scene,
     pub ordered: Ordered,
-    /// What a rating life needs beside the scene.
+    /// Data of a rating life beside the scene.
     pub life: LifeInput,
 }
 
-/// What the request names as one orders it, where the resolved scene has numbers.
+/// Order codes of the request, for which the resolved scene has numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ordered {
     pub designation: Option<Designation>,

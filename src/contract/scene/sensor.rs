@@ -28,7 +28,7 @@ pub struct SensorInput {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32, example = "shaft")]
     pub on: Option<String>,
-    /// What it measures from, at the same place: `shaft`, or the name of a body or port of the housing. Default: the ground.
+    /// Reference of the measurement at the same place: `shaft`, or the name of a body or port of the housing. Default: the ground.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, max_length = 32, example = "head")]
     pub relative_to: Option<String>,

@@ -43,7 +43,7 @@ pub struct ShaftInput {
     /// Share of this damping that turns with the shaft [-]. It drives forward whirl above a threshold speed. Default 0.
     #[schema(nullable = false, example = 0.0)]
     pub rotating_share: Option<f64>,
-    /// Whether the shaft may move and vibrate along X. Default: `free` with an axial load or a sliding outer ring, whose spring reaches the other
+    /// Motion and vibration of the shaft along X. Default: `free` with an axial load or a sliding outer ring, whose spring reaches the other
     /// bearings through the shaft; else `fixed`.
     #[schema(nullable = false)]
     pub axial: Option<ShaftAxial>,

@@ -12,7 +12,7 @@ use raceway_core::physics::cage::PocketFilm;
 use raceway_core::physics::presets;
 use raceway_core::physics::spindle::{AxialHold, Unbalance};
 
-/// What all runs of the job share.
+/// Data that all runs of the job share.
 fn base(request: &Value) -> Simulation {
     job(request).base().unwrap().clone()
 }
@@ -128,7 +128,7 @@ fn defaults_follow_what_is_given() {
     assert!((angle.bearing.free_contact_angle.to_degrees() - 15.0).abs() < 1e-9);
 }
 
-/// What resolving prints can be posted again, gives the same scene to the bit, and then has no defaults.
+/// The job that resolving prints can be posted again, gives the same scene to the bit, and then has no defaults.
 #[test]
 fn resolved_scenes_resolve_to_themselves() {
     let dimensions = json!({"outer_diameter_mm": 62, "inner_diameter_mm": 30, "width_mm": 16, "ball_count": 9,

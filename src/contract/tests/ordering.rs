@@ -296,7 +296,7 @@ fn a_missing_size_is_the_only_error() {
     assert_refused(json!("6205"), thick, "lubricant/temperature_c", "no finite viscosity");
 }
 
-/// What resolving prints is the same work.
+/// The job that resolving prints is the same work.
 #[test]
 fn ordered_scenes_resolve_to_themselves() {
     let oil = json!({"viscosity_grade": "iso-vg-46", "temperature_c": 60, "oil_base": "mineral"});

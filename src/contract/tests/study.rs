@@ -31,7 +31,7 @@ fn values_are_listed_or_spaced() {
     assert_eq!(study.values(23), [&json!(30000), &json!(0.2), &json!(0.54)]);
 }
 
-/// What a part is decides what else it has: a dry bearing has not the viscosity of the grease that it would have had.
+/// The kind of a part decides its other fields: a dry bearing has not the viscosity of the grease that it would have had.
 #[test]
 fn a_kind_comes_with_its_own_defaults() {
     let kinds = ["dry", "oil"];

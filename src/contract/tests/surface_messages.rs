@@ -1,4 +1,4 @@
-//! What answers say about the limits of waves and defects, the resonances that they excite, and envelopes at their rates.
+//! Messages about the limits of waves and defects, the resonances that they excite, and envelopes at their rates.
 
 use serde_json::{Value, json};
 

@@ -29,7 +29,7 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(8);
 
 /// The result of a short operation of a request; an error if the database does not answer in time.
 ///
-/// What was to be written may be written later nevertheless.
+/// The write may take effect later nevertheless.
 pub async fn in_time<T>(operation: impl Future<Output = Result<T, JobError>>) -> Result<T, JobError> {
     let answered = tokio::time::timeout(ANSWER_TIMEOUT, operation).await;
     answered.unwrap_or(Err(JobError::Database(sqlx::Error::PoolTimedOut)))

@@ -1,4 +1,4 @@
-//! Whether stored results are what was written. A part that is not is recorded with its jobs, so that it answers no other job.
+//! Comparison of stored results with the digests of their writing. A part that differs is recorded with its jobs, so that it answers no other job.
 
 use jiff::Timestamp;
 use sqlx::FromRow;
@@ -58,7 +58,7 @@ impl Inspection {
     }
 }
 
-/// What `Store::inspect_job` compares.
+/// Parts that `Store::inspect_job` compares.
 #[derive(FromRow)]
 struct JobRow {
     owner: String,

@@ -24,7 +24,7 @@ pub mod digest;
 pub mod due;
 /// Idempotency keys and the jobs they created.
 pub mod idempotency_keys;
-/// Whether stored results are what was written.
+/// Comparison of stored results with the digests of their writing.
 pub mod integrity;
 /// A file or a server.
 pub mod location;

@@ -336,7 +336,7 @@ fn result_in((status, result, kind): (String, Option<Uuid>, String), wanted: &[J
     }
 }
 
-/// What determines the result of a succeeded job.
+/// Fields that determine the result of a succeeded job.
 #[derive(Debug, Clone, PartialEq, Eq, FromRow)]
 pub struct Fingerprint {
     /// Digest of the work.

@@ -12,7 +12,7 @@ use crate::jobs::error::JobError;
 pub struct Reusable {
     pub job: Uuid,
     pub result: Uuid,
-    /// Whether the request of its job is what was written, for this work of this owner.
+    /// True if the stored request of its job still has its digest, for this work of this owner.
     pub is_sound: bool,
 }
 

@@ -25,7 +25,7 @@ pub struct Chunk {
 #[derive(Debug)]
 pub struct RecordedChunks {
     pub result: Uuid,
-    /// Whether its first chunks are stored already.
+    /// True if its first chunks are stored already.
     pub is_stored: bool,
     /// The chunks that are not stored yet.
     pub rest: Vec<Chunk>,

@@ -16,7 +16,7 @@ use super::statement::statement;
 use crate::contract::{SeriesAnswer, SeriesHead};
 use crate::jobs::error::JobError;
 
-/// What is stored of a series beside its chunks.
+/// Fields of a stored series beside its chunks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StoredHead {
     #[serde(flatten)]
@@ -181,7 +181,7 @@ impl StoredSeries {
     }
 }
 
-/// What is stored of a series in the table of signals: its head, or all of it by earlier versions.
+/// Content of a series in the table of signals: its head, or all of it by earlier versions.
 enum Stored {
     Head(StoredHead),
     Whole(SeriesAnswer),

@@ -17,7 +17,7 @@ use crate::jobs::error::JobError;
 /// Number of losses from which work runs alone, so that it ends no other run with its process.
 const LOSSES_TO_RUN_ALONE: i64 = 2;
 
-/// What the turn of a delivery is used for.
+/// Use of the turn of a delivery.
 #[derive(Debug)]
 pub enum Turn {
     /// No unfinished work has this delivery.
@@ -32,7 +32,7 @@ pub enum Turn {
 #[derive(Debug, Clone, Copy)]
 pub struct TurnLimits {
     pub max_lost_runs: u32,
-    /// Whether no other run may begin meanwhile.
+    /// True if no other run may begin meanwhile.
     pub alone: bool,
 }
 

@@ -31,7 +31,7 @@ pub struct BearingOnShaft {
     pub reduced: Option<ReducedBearing>,
     /// Its facing, and the place of its outer ring at rest, to which its state refers.
     pub mounted: Mounted,
-    /// Whether its moments act on shaft and housing.
+    /// True if its moments act on shaft and housing.
     pub has_moments: bool,
     /// Displacements of the outer ring at rest from those without loads; `None`: it does not move.
     pub outer_rest: Option<[f64; 5]>,
@@ -83,7 +83,7 @@ impl ReducedModel {
         }
     }
 
-    /// Whether loads depend on the acceleration of the ring.
+    /// True if loads depend on the acceleration of the ring.
     pub(super) fn needs_accelerations(&self) -> bool {
         !matches!(self, Self::Planar(_))
     }

@@ -100,7 +100,7 @@ impl MachineChannel {
         }
     }
 
-    /// Whether it is recorded only where it is asked for.
+    /// True if it is recorded only where it is asked for.
     pub fn is_of_ball(&self) -> bool {
         matches!(self, Self::BallLoad(..))
     }

@@ -81,7 +81,7 @@ pub struct RejectedStep {
     /// [s]
     pub step: f64,
     pub cause: StepCause,
-    /// Whether the bearings are too stiff for such steps, against the inertia of the shaft at their places.
+    /// True if the bearings are too stiff for such steps, against the inertia of the shaft at their places.
     pub stiff_bearings: bool,
 }
 

@@ -42,7 +42,7 @@ pub(super) struct Pair {
     pub errors: Vec<(MachineChannel, Option<f64>)>,
 }
 
-/// What a pair says of its step.
+/// Judgement of a step by its pair.
 enum Verdict {
     Accepted(LastStep),
     /// The largest error [dB], which shorter steps may reduce.

@@ -56,7 +56,7 @@ impl MachineDynamics {
         self.bearings.iter().filter_map(|bearing| Some(&bearing.reduced.as_ref()?.model))
     }
 
-    /// Whether loads of bearings depend on the accelerations of their rings.
+    /// True if loads of bearings depend on the accelerations of their rings.
     pub(super) fn needs_accelerations(&self) -> bool {
         self.reduced().any(ReducedModel::needs_accelerations)
     }

@@ -180,7 +180,7 @@ impl Frame {
         matrices(&self.system, speed)
     }
 
-    /// Whether the matrices depend on the speed.
+    /// True if the matrices depend on the speed.
     pub fn depends_on_speed(&self) -> bool {
         [self.system.rotating(), self.system.gyroscopic()].iter().any(|matrix| matrix.iter().any(|entry| *entry != 0.0))
     }

@@ -126,7 +126,7 @@ fn dynamics(machine: &Machine, range: f64, control: &Control<'_>) -> Result<Mach
     if (control.stop)() { Err(MachineError::Stopped(0.0)) } else { Ok(dynamics) }
 }
 
-/// What the runs of a comparison share.
+/// Data that the runs of a comparison share.
 struct Runs<'a> {
     machine: &'a Machine,
     plan: &'a ModePlan,

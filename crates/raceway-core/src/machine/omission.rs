@@ -11,7 +11,7 @@ use crate::rotor::omission::SystemTerm;
 use crate::simulation::input::scene::TermChoice;
 use crate::simulation::model::terms::Justification;
 
-/// Whether sensors, or signals that are asked for, are of a term.
+/// True if sensors, or signals that are asked for, are of a term.
 fn is_recorded(machine: &Machine, settings: &MachineSettings, term: SystemTerm) -> bool {
     if term == SystemTerm::Housing && machine.sensors.iter().any(Sensor::concerns_housing) {
         return true;

@@ -1,4 +1,4 @@
-//! What passes between a bearing and the shaft in a step: predicted motion of the rings, and load with its resistance.
+//! Exchange between a bearing and the shaft in a step: predicted motion of the rings, and load with its resistance.
 
 use crate::numerics::ode::adams_moulton::Shares;
 use crate::physics::statics::Matrix;

@@ -24,7 +24,7 @@ pub struct MachineRecording {
     pub start: f64,
     pub signals: Vec<(MachineChannel, Vec<f64>)>,
     pub bearings: Vec<BearingRecord>,
-    /// Whether steps resolved the forces at the rings.
+    /// True if steps resolved the forces at the rings.
     pub is_resolved: bool,
 }
 

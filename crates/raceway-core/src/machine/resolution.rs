@@ -28,7 +28,7 @@ impl Resolution {
         }
     }
 
-    /// Whether the extrapolation foretold forces better than those of the step before, or to rounding. At ω h = 1 both are as good. Forces that
+    /// True if the extrapolation foretold forces better than those of the step before, or to rounding. At ω h = 1 both are as good. Forces that
     /// change their sign at each step, as those of a step beyond stability, are missed by four times their change.
     pub(crate) fn is_resolved(&self) -> bool {
         self.missed <= self.changed || self.missed <= f64::EPSILON * self.size

@@ -78,7 +78,7 @@ pub struct SignalSpectra {
     pub envelope_lines: Vec<Line>,
 }
 
-/// What a bearing did.
+/// Loads and motion of a bearing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingMetrics {
     pub record: BearingRecord,
@@ -86,7 +86,7 @@ pub struct BearingMetrics {
     pub frequencies: CharacteristicFrequencies,
     /// 1 − cage speed / speed of ideal rolling without a contact angle [-]; `None` at rest, and where no ball moves by itself.
     pub cage_slip: Option<f64>,
-    /// Whether balls and cage move by themselves, so that slip and loads of pockets are known.
+    /// True if balls and cage move by themselves, so that slip and loads of pockets are known.
     pub moves_balls: bool,
 }
 
@@ -300,7 +300,7 @@ fn labelled(spectrum: &Spectrum, machine: &Machine, bearings: &[BearingMetrics])
 struct BearingLine {
     line: Line,
     bearings: Vec<usize>,
-    /// Whether surfaces or balls of these bearings are uneven.
+    /// True if surfaces or balls of these bearings are uneven.
     is_uneven: bool,
 }
 

@@ -10,7 +10,7 @@ use crate::rotor::restraint::Owner;
 /// Largest eigenvalue of K H [-] up to which the correction of the ports' forces is stable.
 const MOST_STIFFNESS: f64 = 0.1;
 
-/// Whether the correction of the ports' forces is stable in steps of a length [s].
+/// True if the correction of the ports' forces is stable in steps of a length [s].
 pub(super) fn is_stable(dynamics: &MachineDynamics, step: f64) -> bool {
     stiffness_of_step(dynamics, step) <= MOST_STIFFNESS
 }

@@ -296,7 +296,7 @@ impl<'m> MachineStepper<'m> {
                 (Stretch { end, left: count as u64 }, (end - from) / count)
             }
         };
-        // What follows the kink, not what leads to it.
+        // The loads after the kink, not those before it.
         let after = from.next_up();
         self.dynamics.frame.write_loads(after, self.dynamics.speed.at(after), newest(&mut self.past));
         self.known = 1;

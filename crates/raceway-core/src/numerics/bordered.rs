@@ -132,7 +132,7 @@ pub struct Eliminated<const B: usize>(Bordered<B>);
 pub struct Factor<const B: usize>(Eliminated<B>);
 
 impl<const B: usize> Eliminated<B> {
-    /// What remains of the border, in the lower triangle.
+    /// Schur complement of the border, in the lower triangle.
     pub fn border(&self) -> &[[f64; B]; B] {
         &self.0.border
     }

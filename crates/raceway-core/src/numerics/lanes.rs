@@ -7,7 +7,7 @@
 //! single precision, [`Singles`], a register holds twice as many. A loop over both precisions is limited by the wider
 //! numbers, so that conversions stand in loops of their own.
 //!
-//! What such loops may contain: + − × ÷, √, comparisons that choose a value, own functions made of these
+//! Such loops may contain: + − × ÷, √, comparisons that choose a value, own functions made of these
 //! (`exponential`, `angle`). A call into the platform's mathematics or an early return prevents vectorization. So do
 //! constants read through a reference, which a store might change; a copy of them stands before the loop. `cargo bench
 //! --bench contact` shows whether balls are side by side.

@@ -169,7 +169,7 @@ impl Designation {
         })
     }
 
-    /// Whether the balls are of silicon nitride.
+    /// True if the balls are of silicon nitride.
     pub fn is_hybrid(&self) -> bool {
         self.suffixes.iter().any(|suffix| matches!(suffix, Suffix::Hybrid(_)))
     }
@@ -195,7 +195,7 @@ impl Suffix {
     }
 }
 
-/// What follows a designation in a text, which may have separators before the letters of the contact angle: `7008-C`.
+/// The rest of a text after a designation, which may have separators before the letters of the contact angle: `7008-C`.
 fn after<'t>(designation: &str, text: &'t str) -> Option<&'t str> {
     designation.chars().try_fold(text, |rest, next| {
         let rest = if next.is_ascii_alphabetic() { rest.trim_start_matches(SEPARATORS) } else { rest };

@@ -23,7 +23,7 @@ pub struct Coordinates {
     /// Polar inertia over the shapes of a plane.
     pub polar: DMatrix<f64>,
     pub housing: HousingCoordinates,
-    /// Whether something acts against the rotation otherwise than with it: gyroscopic moments, or damping that turns along.
+    /// True if something acts against the rotation otherwise than with it: gyroscopic moments, or damping that turns along.
     pub has_sense: bool,
 }
 
@@ -248,7 +248,7 @@ impl Loads {
     }
 }
 
-/// Whether a matrix has an entry in these rows or columns.
+/// True if a matrix has an entry in these rows or columns.
 fn acts(matrix: &PortMatrix, places: &[usize]) -> bool {
     places.iter().any(|&place| (0..PORT).any(|other| matrix[place][other] != 0.0 || matrix[other][place] != 0.0))
 }

@@ -191,7 +191,7 @@ impl HousingCoordinates {
         self.bodies.len()
     }
 
-    /// Whether a coordinate is one of the structure.
+    /// True if a coordinate is one of the structure.
     pub fn is_of_structure(&self, coordinate: usize) -> bool {
         coordinate >= self.first_of_structure
     }
@@ -222,7 +222,7 @@ impl HousingCoordinates {
     }
 }
 
-/// What moves beside the shaft, by its number.
+/// A part that moves beside the shaft, by its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Owner {
     /// A part of the housing: a body or a port.

@@ -28,7 +28,7 @@ pub struct RotorBearing {
     /// Number of the housing's part that holds its outer ring; `None`: the ground.
     pub on: Option<usize>,
     pub seat: Seat,
-    /// Whether its balls see a tilt of its rings and act against it.
+    /// True if its balls see a tilt of its rings and act against it.
     pub has_moments: bool,
 }
 
@@ -51,7 +51,7 @@ impl RotorBearing {
         self.at + self.mounted.outer[0]
     }
 
-    /// What its balls see of displacements x, y, z, β_y, β_z of a ring, a row each.
+    /// Share of displacements x, y, z, β_y, β_z of a ring that its balls see, a row each.
     pub fn seen(&self, mut rows: DMatrix<f64>) -> DMatrix<f64> {
         if !self.has_moments {
             rows.rows_mut(3, 2).fill(0.0);
@@ -59,12 +59,12 @@ impl RotorBearing {
         rows
     }
 
-    /// Whether its outer ring turns and takes an elastic seat along.
+    /// True if its outer ring turns and takes an elastic seat along.
     pub fn turns_in_own_seat(&self) -> bool {
         matches!(self.seat, Seat::Elastic { .. }) && self.mounted.bearing.outer_speed() != 0.0
     }
 
-    /// Whether its outer ring moves.
+    /// True if its outer ring moves.
     pub fn has_moving_outer_ring(&self) -> bool {
         self.on.is_some() || self.seat != Seat::Rigid
     }
@@ -103,7 +103,7 @@ pub struct Rotor {
 }
 
 impl Rotor {
-    /// Whether something beside the shaft moves.
+    /// True if something beside the shaft moves.
     pub fn has_moving_housing(&self) -> bool {
         self.housing.moves() || self.bearings.iter().any(RotorBearing::has_moving_outer_ring)
     }

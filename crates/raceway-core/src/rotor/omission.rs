@@ -50,7 +50,7 @@ impl Rotor {
         self
     }
 
-    /// Whether it has a term.
+    /// True if it has a term.
     pub fn has(&self, term: SystemTerm) -> bool {
         match term {
             SystemTerm::ShaftBending => self.shaft.motion == ShaftMotion::Bends,

@@ -5,7 +5,7 @@
 pub struct Sensor {
     pub name: String,
     pub on: Part,
-    /// What its displacement is measured from at the same place; `None`: the ground.
+    /// Reference of its displacement at the same place; `None`: the ground.
     pub relative_to: Option<Part>,
     /// Place along the shaft [m].
     pub at: f64,
@@ -13,7 +13,7 @@ pub struct Sensor {
     pub along: [f64; 3],
 }
 
-/// What a sensor sits on, or measures from.
+/// A part on which a sensor sits, or from which it measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     Shaft,
@@ -28,12 +28,12 @@ impl Sensor {
         along_x * x + along_y * y + along_z * z
     }
 
-    /// Whether it measures a part of the housing, or from one.
+    /// True if it measures a part of the housing, or from one.
     pub fn concerns_housing(&self) -> bool {
         [Some(self.on), self.relative_to].into_iter().flatten().any(|part| part != Part::Shaft)
     }
 
-    /// Whether it measures the shaft, or from it.
+    /// True if it measures the shaft, or from it.
     pub fn concerns_shaft(&self) -> bool {
         self.on == Part::Shaft || self.relative_to == Some(Part::Shaft)
     }

@@ -35,7 +35,7 @@ impl Design {
         }
     }
 
-    /// Whether the number of samples must be a power of two.
+    /// True if the number of samples must be a power of two.
     pub fn takes_powers_of_two(self) -> bool {
         self != Self::LatinHypercube
     }

@@ -145,7 +145,7 @@ impl<E> Course<'_, E> {
         Ok(value)
     }
 
-    /// What an optimiser sees: less is better, finite also where a run fails or a point lies outside, and worse the farther out.
+    /// Value for an optimiser: less is better, finite also where a run fails or a point lies outside, and worse the farther out.
     fn cost(&mut self, at: &[f64]) -> Result<f64, E> {
         let outside: f64 = at.iter().map(|x| (x - x.clamp(0.0, 1.0)).abs()).sum();
         let value = if outside > 0.0 { None } else { self.value(at, Purpose::Search)? };
@@ -206,7 +206,7 @@ impl<E> Course<'_, E> {
         self.unless_ended()
     }
 
-    /// What an optimiser has run is noted; one that fails for a reason of its own has run no less.
+    /// The runs of an optimiser are noted, also where it fails for a reason of its own.
     fn unless_ended(&mut self) -> Result<(), E> {
         self.ended.take().map_or(Ok(()), Err)
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-/// What a user should know about a result or a scene.
+/// A remark or a warning about a result or a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct MessageAnswer {
     /// Kind of the message. Programs branch on it.

@@ -37,7 +37,7 @@ pub struct ModePrecisionAnswer {
     pub recommended: Vec<RecommendedModesAnswer>,
     /// The compared quantities and times.
     pub compared: ComparedModesAnswer,
-    /// What the run times include.
+    /// Parts that the run times include.
     pub timing: ModeTimingAnswer,
     /// The machine and the build that were timed.
     pub machine: MachineAnswer,
@@ -112,7 +112,7 @@ pub struct ComparedModesAnswer {
     pub duration_s: f64,
 }
 
-/// What the run times of a machine include.
+/// Parts that the run times of a machine include.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct ModeTimingAnswer {
     /// Number of timed runs of each point.

@@ -101,14 +101,14 @@ pub struct MeasuredAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub reference_trajectory_error: Option<f64>,
-    /// Whether the trajectory error is below ten times that of the reference, and therefore not significant.
+    /// True if the trajectory error is below ten times that of the reference, and therefore not significant.
     pub below_reference: bool,
     /// Largest level error of the spindle's accelerations (y, z, and x where the spindle moves along it) [dB]. Omits levels more than 60 dB
     /// below another: these consist of rounding and truncation errors. Absent without motion, or where the time is too short for a level.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, minimum = 0)]
     pub level_error_db: Option<f64>,
-    /// Whether the level error is not significant: below ten times that of the reference; in chaotic motion below the sampling error or the
+    /// True if the level error is not significant: below ten times that of the reference; in chaotic motion below the sampling error or the
     /// error of the reference.
     pub level_below_reference: bool,
     /// Largest frequency error of `reference.lines` [Hz].
@@ -155,7 +155,7 @@ impl From<&Point> for PointAnswer {
 }
 
 impl PointAnswer {
-    /// What it has shown, unless it has failed.
+    /// Its errors and cost, unless it has failed.
     pub fn measured(&self) -> Option<&MeasuredAnswer> {
         match self {
             Self::Succeeded(point) => Some(point),

@@ -31,7 +31,7 @@ pub struct WorkPrecisionAnswer {
     pub recommended: Vec<RecommendedAnswer>,
     /// The compared quantities and times.
     pub compared: ComparedAnswer,
-    /// What the run times include.
+    /// Parts that the run times include.
     pub timing: TimingAnswer,
     /// The machine and the build that were timed.
     pub machine: MachineAnswer,
@@ -80,7 +80,7 @@ pub struct ComparedAnswer {
     pub horizon: String,
 }
 
-/// What the run times include, and the limit of a run.
+/// Parts that the run times include, and the limit of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TimingAnswer {
     /// Number of timed runs of each point.

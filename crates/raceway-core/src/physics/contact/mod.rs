@@ -1,4 +1,4 @@
-//! What happens where two bodies touch: normal load, dissipation, lubricant film, traction.
+//! Contact of two bodies: normal load, dissipation, lubricant film, traction.
 
 pub mod damping;
 pub mod film;

@@ -43,7 +43,7 @@ impl Housing {
         self.bodies.iter().map(|body| body.at).chain(ports.map(|port| port.at))
     }
 
-    /// Whether it has a part.
+    /// True if it has a part.
     pub fn moves(&self) -> bool {
         !self.bodies.is_empty() || self.structure.is_some()
     }

@@ -41,7 +41,7 @@ pub struct Shaft {
     /// True where the shaft may move and vibrate along X.
     pub is_axially_free: bool,
     pub motion: ShaftMotion,
-    /// Whether the inertia of its turning parts acts against a tilt.
+    /// True if the inertia of its turning parts acts against a tilt.
     pub has_gyroscopic_moments: bool,
 }
 

@@ -9,7 +9,7 @@ pub struct EquivalentLoad {
     /// P [N].
     pub load: f64,
     pub factors: AxialFactors,
-    /// Whether the axial load counts: F_a/F_r is beyond e.
+    /// True if the axial load counts: F_a/F_r is beyond e.
     pub counts_axial: bool,
 }
 

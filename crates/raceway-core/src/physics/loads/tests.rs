@@ -1,4 +1,4 @@
-//! What loads are at given times.
+//! Loads at given times.
 
 use super::*;
 use crate::physics::spindle::unbalance_force;

@@ -100,7 +100,7 @@ impl RandomWaviness {
     }
 }
 
-/// What a drawn number belongs to.
+/// Quantity that a drawn number belongs to.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Kind {
     RadialWave,

@@ -160,7 +160,7 @@ impl Surfaces {
         !self.balls.iter().all(BallSurface::is_sphere)
     }
 
-    /// Whether each ball makes lines of its spin: those with defects, else those with waves. Empty where no ball does.
+    /// For each ball, true if it makes lines of its spin: those with defects, else those with waves. Empty where no ball does.
     pub(crate) fn heard_balls(&self) -> Vec<bool> {
         let all = |is_heard: &dyn Fn(&BallSurface) -> bool| self.balls.iter().map(is_heard).collect::<Vec<bool>>();
         let kinds = [all(&BallSurface::has_defects), all(&|ball| !ball.is_sphere())];

@@ -30,7 +30,7 @@ pub struct Outputs {
     pub envelope: EnvelopeAnalysis,
     /// Rising edges of the bands in which accelerations are summed [Hz].
     pub band_edges: Vec<f64>,
-    /// Whether the envelopes of the accelerations are read at the rates of defects.
+    /// True if the envelopes of the accelerations are read at the rates of defects.
     pub envelope_harmonics: bool,
     /// Longest window of spectra and statistics [s].
     pub longest_window: f64,

@@ -132,7 +132,7 @@ pub(crate) struct StartAzimuths {
     pub angle: Vec<f64>,
     pub cosine: Vec<f64>,
     pub sine: Vec<f64>,
-    /// Whether all are equally spaced.
+    /// True if all are equally spaced.
     is_even: bool,
 }
 

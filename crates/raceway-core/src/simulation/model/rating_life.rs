@@ -14,7 +14,7 @@ use crate::simulation::model::equilibrium::StaticLoads;
 /// Roughness of a surface where none is given, rms [m].
 pub const ROUGHNESS: f64 = 0.05e-6;
 
-/// What a life needs beside the scene.
+/// Data of a life beside the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LifeInput {
     pub makers: MakersRatings,

@@ -9,7 +9,7 @@ use crate::simulation::model::system::Model;
 pub(crate) struct FastestMode {
     /// Magnitude of the eigenvalue [1/s].
     pub rate: f64,
-    /// Whether the mode decays rather than oscillates.
+    /// True if the mode decays rather than oscillates.
     pub decays: bool,
 }
 

@@ -76,7 +76,7 @@ impl Powers {
 }
 
 impl PowerBalance {
-    /// What drives, loads and weights supply less what is stored and lost [W]: 0 but for the integration over time.
+    /// Supply of drives, loads and weights less storage and losses [W]: 0 but for the integration over time.
     pub fn gap(&self) -> f64 {
         self.mean.drive + self.mean.applied - self.stored - self.mean.losses()
     }

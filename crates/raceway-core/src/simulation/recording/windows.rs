@@ -101,7 +101,7 @@ pub struct Signal {
     pub channel: Channel,
     /// Values of the current window.
     window: Vec<f64>,
-    /// Whether the windows are needed beside the series.
+    /// True if the windows are needed beside the series.
     has_windows: bool,
     /// Number of the requested series of this channel.
     series: Option<usize>,
@@ -114,7 +114,7 @@ pub struct Signal {
     counts_all: bool,
     in_band: OnceLock<InBand>,
     spectra: OnceLock<ChannelSpectra>,
-    /// Whether levels or metrics need the statistics in the band.
+    /// True if levels or metrics need the statistics in the band.
     counts_in_band: bool,
     asked_for_spectra: bool,
     envelope: EnvelopeAnalysis,

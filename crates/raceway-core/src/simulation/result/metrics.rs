@@ -359,7 +359,7 @@ pub(crate) fn outer_ring(scene: &Scene) -> OuterRing {
     }
 }
 
-/// What names the lines of a bearing. Only frequencies that can appear in a spectrum are there: something marks the rotation of the shaft, as
+/// Frequencies that name the lines of a bearing. Only frequencies that can appear in a spectrum are there: something marks the rotation of the shaft, as
 /// unbalance or the surface of an inner raceway does; the surface of its raceway marks the outer ring, waves and defects mark a ball.
 ///
 /// `inner_orders` and `loads` as in [`LineSources`].

@@ -14,7 +14,7 @@ pub struct Series {
     pub step: f64,
     /// Number of values.
     pub length: usize,
-    /// Whether all values are finite.
+    /// True if all values are finite.
     pub is_finite: bool,
     /// The values, in the channel's unit; empty if a receiver has taken them.
     pub values: Vec<f64>,

@@ -19,7 +19,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Whether its reference is the attempt before it.
+    /// True if its reference is the attempt before it.
     pub(crate) fn is_compared_with_previous(&self) -> bool {
         matches!(self.reference, Reference::LooserRun | Reference::IndependentSample)
     }

@@ -149,7 +149,7 @@ fn whole_parts(time: f64) -> f64 {
     (time / part).ceil() * part
 }
 
-/// Whether a method damps fast motion, so that tighter tolerances of the same method share this error.
+/// True if a method damps fast motion, so that tighter tolerances of the same method share this error.
 fn damps(method: Method) -> bool {
     matches!(method, Method::Gear | Method::Radau)
 }

@@ -3,7 +3,7 @@
 use super::diagonal::{Diagonal, in_panels, row_by_row};
 use crate::numerics::ode::phi::{Phi, double, phi};
 
-/// What a step of one length multiplies: the rate and the first three differences of `f`.
+/// Factors of a step of one length: of the rate and the first three differences of `f`.
 #[derive(Debug, Clone)]
 pub(super) struct Weights {
     pub(super) step: f64,

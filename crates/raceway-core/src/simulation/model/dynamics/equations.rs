@@ -639,7 +639,7 @@ pub(crate) struct Rings {
     pub outer: Option<SpindleState>,
 }
 
-/// What balls and cage exert on the rings.
+/// Forces and moments of balls and cage on the rings.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct OnRings {
     pub sum: Reaction,

@@ -81,7 +81,7 @@ pub struct Observer<'m> {
     spin: Moments,
     /// `None` where all balls are spheres.
     tracks: Option<BallTracks>,
-    /// Whether the slip of the cage is recorded.
+    /// True if the slip of the cage is recorded.
     slips: bool,
     rolling: LoadedRolling,
     /// Loads of the balls, where a life is requested.

@@ -12,7 +12,7 @@ use crate::simulation::recording::record::ContactExtremes;
 
 /// Loads of one sample and extremes of the run.
 pub(super) struct Snapshot {
-    /// Whether minimum film thickness is recorded.
+    /// True if minimum film thickness is recorded.
     pub film: bool,
     pub inner: Vec<f64>,
     pub outer: Vec<f64>,

@@ -51,17 +51,17 @@ pub struct RadiallyCondensed {
     /// Constants side by side: of each group of eight balls, or once where all balls are alike.
     all: Vec<Alike>,
     pub(super) traction: PerRaceway<RacewayTraction>,
-    /// Whether the film alone acts on a ball between the walls of its pocket.
+    /// True if the film alone acts on a ball between the walls of its pocket.
     pub(super) plain_pocket: bool,
-    /// Whether the model has a cage with plain pockets, and raceways without a viscous damper.
+    /// True if the model has a cage with plain pockets, and raceways without a viscous damper.
     pub(super) is_plain: bool,
     /// `None`: both raceways are ideal circles.
     pub(super) waves: Option<Waves>,
-    /// Whether raceways are ideal circles and all balls are alike.
+    /// True if raceways are ideal circles and all balls are alike.
     pub(super) is_even: bool,
     /// Constant speed [rad/s] with the values that depend on it; `None` where the speed changes.
     pub(super) constant: Option<(f64, (LubricantDrag, f32))>,
-    /// Whether an output shows the motion of the cage.
+    /// True if an output shows the motion of the cage.
     pub(super) shows_cage: bool,
     /// Start position of the spindle [m].
     pub(super) rest: [f64; 2],

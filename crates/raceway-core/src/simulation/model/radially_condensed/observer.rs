@@ -56,7 +56,7 @@ pub(super) struct Observer<'a> {
     frames: Vec<[f64; SIGNALS]>,
     /// Step of the first of these frames.
     waiting_from: u64,
-    /// Whether the first frame replaces the missing past of a run without settling time.
+    /// True if the first frame replaces the missing past of a run without settling time.
     primed: bool,
     filtered: Recorder,
     picked: Recorder,

@@ -166,7 +166,7 @@ pub struct Stepper<'m> {
     /// Newest first.
     nodes: [Box<Node>; NODES],
     formulas: Formulas,
-    /// Whether the newest node is predicted and not yet corrected.
+    /// True if the newest node is predicted and not yet corrected.
     is_predicted: bool,
     rates: Rates,
     /// Residuals of the implicit formulas at the prediction, without forces: velocity along the arc and spin, times `leading`.

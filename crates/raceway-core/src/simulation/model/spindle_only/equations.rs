@@ -56,7 +56,7 @@ pub(crate) struct SpindleOnly {
     /// Angle after which the balls are where others were [rad], and its reciprocal: that from one ball to the next where all are alike and
     /// equally spaced, else a turn.
     repeats: (f64, f64),
-    /// Whether raceways are ideal circles and all balls are alike.
+    /// True if raceways are ideal circles and all balls are alike.
     is_even: bool,
     balls: usize,
     first: Group,
