@@ -21,7 +21,9 @@ use crate::simulation::model::terms::{Justification, LeftOut};
 use crate::simulation::recording::bands::BandMetrics;
 use crate::simulation::recording::sampling::{BAND, RATE};
 use crate::simulation::recording::windows::InBand;
-use crate::simulation::result::lines::{LEAST_BINS, Line, LineSources, OuterRing, find_lines};
+use crate::simulation::result::line_label::LEAST_BINS;
+use crate::simulation::result::line_sources::{LineSources, OuterRing};
+use crate::simulation::result::lines::{Line, find_lines};
 use crate::simulation::result::metrics::{level_db, line_sources};
 use crate::simulation::solve::eligibility::omissions;
 

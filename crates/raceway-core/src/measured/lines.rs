@@ -1,7 +1,7 @@
 //! Lines of a measured spectrum.
 
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
-use crate::simulation::result::lines::{LEAST_SHARE, floor, peak_bins};
+use crate::simulation::result::peaks::{LEAST_SHARE, floor, peak_bins};
 
 /// A line of a measured spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::numerics::spectrum::{Spectrum, interpolated_peak};
 use crate::physics::kinematics::CharacteristicFrequencies;
-use crate::simulation::result::lines::{TOLERANCE_BINS, TOLERANCE_SHARE};
+use crate::simulation::result::line_label::{TOLERANCE_BINS, TOLERANCE_SHARE};
 
 /// Amplitudes at the first three multiples of a rate, in the unit of the spectrum; `None` where a line of another rate hides the place, or the
 /// record is too short for a line so near to 0 Hz.

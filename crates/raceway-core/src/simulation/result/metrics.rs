@@ -23,7 +23,8 @@ use crate::simulation::recording::sampling::{ACCELERATIONS, BAND, RATE};
 use crate::simulation::recording::spectra::ChannelSpectra;
 use crate::simulation::recording::windows::{InBand, Whirl};
 use crate::simulation::result::envelope_harmonics::EnvelopeHarmonics;
-use crate::simulation::result::lines::{Line, LineSources, OuterRing, find_lines};
+use crate::simulation::result::line_sources::{LineSources, OuterRing};
+use crate::simulation::result::lines::{Line, find_lines};
 use crate::simulation::result::series::Series;
 
 /// Statistics of one channel over the kept time, mean removed, 0–20 kHz, in the channel's unit.

@@ -2,7 +2,14 @@
 
 pub mod series;
 
+mod line_combinations;
+pub(crate) mod line_label;
+pub(crate) mod line_sources;
 pub mod lines;
+pub(crate) mod peaks;
+
+#[cfg(test)]
+mod line_examples;
 
 pub mod envelope_harmonics;
 
