@@ -4,202 +4,15 @@
 // RACEWAY: the binary. SCREENSHOTS: a folder for pictures (optional). CHROMIUM: the browser (default /usr/bin/chromium).
 
 import assert from 'node:assert/strict';
-import { execFileSync, spawn } from 'node:child_process';
-import { cpSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdirSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
-import { createRequire } from 'node:module';
-import { tmpdir } from 'node:os';
-import { join } from 'node:path';
-import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 import * as measured from './measured.mjs';
+import { alone as modules } from './modules.mjs';
+import { housing, namedOnShaft, rigidSpindle, shaft } from './shaft.mjs';
 import { shaftRunUp } from './shaft-run-up.mjs';
+import { ARGUMENTS, DESKTOP, PHONE, PICTURES, TABS, TOKEN, accessible, field, fits, labelsAreClear, noLeftovers, noted, ok, open, picture, reportOf, serve, tab } from './tools.mjs';
 import { uncertainty } from './uncertainty.mjs';
-
-const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const PICTURES = process.env.SCREENSHOTS;
-const DESKTOP = { width: 1280, height: 900 };
-const PHONE = { width: 390, height: 844 };
-const TABS = ['result', 'slider', 'study', 'compare', 'shaft', 'jobs'];
-const TOKEN = 'token-of-the-check';
-const ARGUMENTS = [
-  '--headless',
-  '--no-sandbox',
-  '--disable-gpu',
-  '--disable-quic',
-  '--no-first-run',
-  '--disable-background-networking',
-  '--disable-component-update',
-  '--disable-sync',
-];
-
-/** What all pages have noted, told when the check fails for another reason, of which it may be the cause. */
-const noted = [];
-
-const ok = (what) => console.log(`ok: ${what}`);
-
-/** `raceway serve` on a free port, with a database of its own. */
-async function serve(environment = {}) {
-  const place = mkdtempSync(join(tmpdir(), 'raceway-portal-'));
-  const kept = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith('RACEWAY')));
-  const service = spawn(
-    process.env.RACEWAY,
-    ['serve', '--listen', '127.0.0.1:0', '--database', `sqlite://${join(place, 'portal.db')}`],
-    { env: { ...kept, ...environment }, stdio: ['ignore', 'pipe', 'ignore'] },
-  );
-  const ended = new Promise((done) => service.once('exit', done));
-  for await (const line of createInterface({ input: service.stdout })) {
-    const stop = async () => {
-      service.kill('SIGTERM');
-      await ended;
-      rmSync(place, { recursive: true });
-    };
-    return { url: line.replace('listening on ', ''), stop };
-  }
-  throw new Error('the service does not start');
-}
-
-/** What needs no browser: a command holds in a shell what it is to say, and a request says no more than it was told. */
-async function alone() {
-  // Node.js takes `.js` for a module where a package says so, and the page has none.
-  const page = mkdtempSync(join(tmpdir(), 'raceway-portal-'));
-  cpSync(new URL('../../../src/api/portal', import.meta.url), page, { recursive: true });
-  writeFileSync(join(page, 'package.json'), '{ "type": "module" }');
-  globalThis.location = { origin: 'http://127.0.0.1:1' };
-  const { curl, quoted } = await import(`${page}/download.js`);
-  const evil = `it's $HOME, "two" \`words\` \\ and ünits\n`;
-  assert.equal(execFileSync('sh', ['-c', `printf %s ${quoted(evil)}`], { encoding: 'utf8' }), evil);
-  const said = execFileSync(
-    'sh',
-    [
-      '-c',
-      `curl() { for word; do printf '%s\\n' "$word"; done; }; ${curl({ method: 'POST', path: '/v1/jobs', body: { labels: [evil] }, token: true })}`,
-    ],
-    { encoding: 'utf8', env: { RACEWAY_TOKEN: 't' } },
-  ).split('\n');
-  assert.ok(said.includes('Authorization: Bearer t') && said.includes(JSON.stringify({ labels: [evil] })), said);
-  const { write } = await import(`${page}/request.js`);
-  const job = { kind: 'simulation', scene: { bearing: '6205', operation: { speed_rpm: 3000 } } };
-  let changed = write(job, '/scene/bearing/ball_count', 8);
-  changed = write(changed, '/scene/lubricant', 'oil');
-  changed = write(changed, '/scene/lubricant/fill', 0.2);
-  assert.deepEqual(changed.scene, {
-    bearing: { preset: '6205', ball_count: 8 },
-    operation: { speed_rpm: 3000 },
-    lubricant: { kind: 'oil', fill: 0.2 },
-  });
-  for (const pointer of ['/scene/bearing/ball_count', '/scene/lubricant/fill', '/scene/lubricant'])
-    changed = write(changed, pointer, undefined);
-  assert.deepEqual(changed, job);
-  const { title } = await import(`${page}/format.js`);
-  titles(title);
-  const { messageList } = await import(`${page}/messages.js`);
-  globalThis.document = {
-    createElement: () => {
-      const element = { attributes: {}, children: [] };
-      element.setAttribute = (name, value) => Object.assign(element.attributes, { [name]: value });
-      element.append = (...children) => element.children.push(...children);
-      return element;
-    },
-  };
-  const shown = messageList([
-    { code: 'at-limit', severity: 'info', text: 'An info.' },
-    { code: 'not-stationary', severity: 'warning', text: 'A <b>warning</b>.' },
-  ]);
-  delete globalThis.document;
-  assert.deepEqual(
-    shown.map(({ attributes, children }) => [attributes.class, attributes['data-code'], ...children]),
-    [
-      ['warning', 'not-stationary', 'A <b>warning</b>.'],
-      ['note', 'at-limit', 'An info.'],
-    ],
-  );
-  assert.deepEqual(messageList(undefined), []);
-  rmSync(page, { recursive: true });
-  ok('commands are quoted, requests contain only what was edited, messages are sorted by severity');
-}
-
-/** Titles name the lubricant that the service takes, and the preloads of a shaft. */
-function titles(title) {
-  const fitted = { preset: '6205', radial_clearance_group: 'C3', fits: { shaft: 'k5', housing: 'H7' } };
-  assert.match(title({ scene: { bearing: fitted } }), /^6205, clearance C3, fits k5\/H7 /);
-  const of = (lubricant) => title({ scene: { bearing: '6205', operation: { speed_rpm: 3000 }, lubricant } }).split(' · ').slice(2).join();
-  assert.deepEqual(
-    [undefined, {}, 'grease', { kind: 'grease', fill: 0.1 }, { viscosity_pa_s: 0.02 }].map(of),
-    ['', 'grease', 'grease', 'grease', 'grease'],
-  );
-  assert.deepEqual(
-    [
-      'oil',
-      { kind: 'oil' },
-      { viscosity_grade: 'iso-vg-46', temperature_c: 60 },
-      { kind: 'grease', viscosity_grade: 'iso-vg-46', temperature_c: 60 },
-      { viscosity_40_mm2_s: 46, viscosity_100_mm2_s: 6.64, temperature_c: 60 },
-    ].map(of),
-    ['oil', 'oil', 'iso-vg-46', 'grease iso-vg-46', 'oil'],
-  );
-  const shaft = (more, bearing = {}) => {
-    const bearings = ['A', 'B'].map((name) => ({ name, bearing: '7008C', ...bearing }));
-    return title({ scene: { shaft: { sections: [{ length_mm: 300 }] }, bearings, operation: { speed_rpm: 3000 }, ...more } }).replaceAll('\u00a0', ' ');
-  };
-  const start = 'Shaft 300 mm · on A 7008C, B 7008C · 3000 r/min';
-  assert.equal(shaft({}), start);
-  assert.equal(shaft({ preloads: [{ between: ['A', 'B'], force_n: 200 }] }, { lubricant: 'oil' }), `${start} · preload 200 N · oil`);
-  assert.equal(shaft({ preloads: [{ between: ['A', 'B'], offset_um: 5 }] }), `${start} · preload 5 µm`);
-  assert.equal(shaft({ terms: { shaft_bending: 'off', tilt: 'auto', housing: 'off' } }), `${start} · without shaft bending, housing`);
-  assert.equal(shaft({}, { outer_ring: { seat: 'sliding', spring_force_n: 150 }, lubricant: {} }), `${start} · spring 150 N · grease`);
-}
-
-/** A page that notes everything that must not happen. `expected(status, path)`: refusals that the check provokes, which Chromium itself logs; status 0: no connection. */
-async function open(browser, settings, expected = () => false) {
-  const context = await browser.newContext({ viewport: DESKTOP, ...settings });
-  const faults = [];
-  noted.push(faults);
-  context.on('weberror', (error) => faults.push(`page error: ${error.error().stack}`));
-  context.on('console', (message) => {
-    if (!['error', 'warning'].includes(message.type())) return;
-    const refused = message.text().match(/Failed to load resource: (?:.*status of (\d+)|net::ERR_INTERNET_DISCONNECTED)/);
-    if (refused && expected(Number(refused[1] ?? 0), new URL(message.location().url).pathname)) return;
-    faults.push(`console: ${message.text()} (${message.location().url})`);
-  });
-  context.on('request', (request) => {
-    const { protocol, hostname } = new URL(request.url());
-    if (!['blob:', 'data:'].includes(protocol) && hostname !== '127.0.0.1') faults.push(`request to ${request.url()}`);
-  });
-  return { page: await context.newPage(), context, faults };
-}
-
-const picture = async (page, name) => {
-  if (PICTURES) await page.screenshot({ path: join(PICTURES, `${name}.png`), fullPage: true });
-};
-
-/** Findings of axe, of every impact. */
-async function accessible(page, where) {
-  if (!(await page.evaluate(() => Boolean(globalThis.axe)))) await page.evaluate(AXE);
-  const found = await page.evaluate(async () => {
-    const { violations } = await globalThis.axe.run(document, { resultTypes: ['violations'] });
-    return violations
-      .map(
-        ({ id, nodes }) =>
-          `${id}: ${nodes
-            .slice(0, 4)
-            .map((node) => `${node.target} ${node.failureSummary?.split('\n')[1] ?? ''}`)
-            .join(' | ')}`,
-      );
-  });
-  assert.deepEqual(found, [], `axe finds nothing: ${where}`);
-}
-
-/** Nothing on the page is wider than its window. */
-async function fits(page, what) {
-  const { wide, inner } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, inner: innerWidth }));
-  assert.ok(wide <= inner, `${what} at ${inner} px is ${wide} px wide`);
-}
-
-const field = (page, pointer) => page.locator(`#f${pointer.replaceAll('/', '-')}`);
-const ofShaft = (page, pointer) => page.locator(`#s${pointer.replaceAll('/', '-')}`);
-const shaftRequest = async (page) => JSON.parse(await page.locator('#shaft-json').inputValue());
-const tab = (page, name) => page.locator(`#tab-${name}`).click();
 
 /** The first opening shows a recorded example: named so, levels above a spectrum that is in view as a whole. */
 async function example(browser, url, hasToken) {
@@ -228,33 +41,6 @@ async function example(browser, url, hasToken) {
   assert.deepEqual(faults, []);
   await context.close();
   ok(`an example stands after ${times.map(Math.round)} ms (goal: 1000)${hasToken ? ', without a token' : ''}`);
-}
-
-/** No label of a line covers another one or a curve: the pixels of the plot behind it have no ink of a curve. */
-async function labelsAreClear(page, panel) {
-  const covered = await page.locator(`${panel} .u-over`).first().evaluate((over) => {
-    const canvas = over.parentElement.querySelector('canvas');
-    const [ratio, frame] = [canvas.width / canvas.clientWidth, canvas.getBoundingClientRect()];
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    const accent = getComputedStyle(document.documentElement).getPropertyValue('--accent').trim();
-    const wanted = [1, 3, 5].map((at) => parseInt(accent.slice(at, at + 2), 16));
-    const labels = [...over.querySelectorAll('.line-label')].map((label) => [label.textContent, label.getBoundingClientRect()]);
-    const isInk = (x, y) => {
-      const at = 4 * (Math.round(y) * canvas.width + Math.round(x));
-      return data[at + 3] > 200 && wanted.every((value, k) => Math.abs(data[at + k] - value) < 40);
-    };
-    const onCurve = labels.filter(([, box]) => {
-      const [left, right] = [box.left, box.right].map((at) => (at - frame.left) * ratio);
-      const [top, bottom] = [box.top + 1, box.bottom - 1].map((at) => (at - frame.top) * ratio);
-      for (let x = left; x < right; x += 1) for (let y = top; y < bottom; y += 1) if (isInk(x, y)) return true;
-      return false;
-    });
-    const onLabel = labels.filter(([, a], i) =>
-      labels.some(([, b], k) => k > i && a.left < b.right - 4 && b.left < a.right - 4 && a.top < b.bottom - 1 && b.top < a.bottom - 1),
-    );
-    return [...onCurve, ...onLabel].map(([text]) => text);
-  });
-  assert.deepEqual(covered, [], 'labels cross no curve and no label');
 }
 
 /** A designation with a clearance group, a shaft fit and an oil by grade give the numbers that `resolve` shows. */
@@ -402,18 +188,6 @@ async function orbitAndRest(page) {
   await noLeftovers(page);
 }
 
-/** What a page says where a value was forgotten. */
-async function noLeftovers(page) {
-  const found = await page.evaluate(() => {
-    const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
-    const texts = [];
-    while (walker.nextNode()) texts.push(walker.currentNode.data.trim());
-    return texts.filter((text) => /\b(null|undefined|NaN)\b|\[object /.test(text));
-  });
-  assert.deepEqual(found, [], 'no value is missing on the page');
-  ok('nothing on the page says null, undefined or NaN');
-}
-
 async function compareTwo(page) {
   await field(page, '/scene/bearing/radial_clearance_um').fill('8');
   await page.locator('#run').click();
@@ -479,24 +253,6 @@ async function study(page) {
   await page.locator('#panel-study').getByRole('button', { name: 'Report' }).click();
   await reportOf(page, 'study', ['Best points', 'Radial load y, N']);
   await page.getByLabel('Second parameter').selectOption('');
-}
-
-/** The report of the job that is shown: one page with inputs, results, messages and version. Leads back. */
-async function reportOf(page, kind, texts) {
-  const report = page.locator('#report');
-  for (const text of ['Results', 'Messages', 'Inputs', 'raceway 0.', kind, ...texts]) await report.getByText(text).first().waitFor();
-  await report.locator('figure img').first().waitFor();
-  await report.locator('td', { hasText: 'given' }).first().waitFor();
-  assert.ok(!(await page.locator('.desk').isVisible()));
-  await page.emulateMedia({ media: 'print' });
-  assert.ok(!(await report.getByRole('button', { name: 'Print' }).isVisible()), 'buttons are not printed');
-  await page.emulateMedia({ media: null });
-  await picture(page, `report-${kind}`);
-  await accessible(page, `the report, kind ${kind},`);
-  await noLeftovers(page);
-  await page.getByRole('button', { name: 'Back' }).click();
-  await page.locator('.desk').waitFor();
-  ok(`the report, kind ${kind}, has inputs, results, messages and version`);
 }
 
 /** An optimum and a comparison of methods run from the page, and open from the list. */
@@ -614,268 +370,6 @@ async function surfaces(page) {
   await picture(page, 'impact');
   ok('the signal around an impact is shown');
   await noLeftovers(page);
-}
-
-/** Bearings of a shaft by designation, and loads at a place. */
-async function namedOnShaft(page) {
-  await tab(page, 'shaft');
-  await page.locator('.rotor table').first().waitFor({ timeout: 30000 });
-  const loads = async () => (await shaftRequest(page)).scene.operation.loads;
-  await page.locator('summary', { hasText: 'Loads at a place' }).click();
-  await page.getByRole('button', { name: 'Add load' }).click();
-  assert.deepEqual(await loads(), [{ at_mm: 145, direction: 'y', constant_n: 100 }]);
-  await ofShaft(page, '/scene/operation/loads/0/constant_n').fill('');
-  await page.locator('summary', { hasText: /^Shock$/ }).click();
-  for (const [name, value] of [['peak_n', '50'], ['at_s', '0.1'], ['duration_s', '0.001']])
-    await ofShaft(page, `/scene/operation/loads/0/shock/${name}`).fill(value);
-  assert.deepEqual(await loads(), [{ at_mm: 145, direction: 'y', shock: { peak_n: 50, at_s: 0.1, duration_s: 0.001 } }]);
-  await page.locator('.analysis:not(.stale)').waitFor();
-  await picture(page, 'load at a place');
-  await page.getByRole('button', { name: 'Remove load 1' }).click();
-  assert.equal(await loads(), undefined);
-  ok('a shock at a place of the shaft is added and removed');
-
-  const designation = page.locator('#s-scene-bearings-0-bearing-designation');
-  await designation.fill('7008C');
-  await designation.press('Tab');
-  const angle = await ofShaft(page, '/scene/bearings/0/bearing/contact_angle_deg').getAttribute('id');
-  await page.waitForFunction((id) => document.getElementById(id).placeholder === '15', angle);
-  assert.equal((await shaftRequest(page)).scene.bearings[0].bearing, '7008C');
-  await page.locator('.analysis:not(.stale)').waitFor();
-  await accessible(page, 'a bearing of the shaft by designation');
-  await designation.fill('7206');
-  await designation.press('Enter');
-  await page.locator('#s-scene-bearings-0-bearing-error', { hasText: '7206A' }).waitFor();
-  ok('a bearing of the shaft goes by designation; an unknown one has suggestions');
-}
-
-/** A shaft: drawn, moved by keys and pointer, analysed with each edit, run in time, and opened from the list. */
-async function shaft(page) {
-  await tab(page, 'shaft');
-  const natural = page.locator('.rotor table').first();
-  await natural.waitFor({ timeout: 30000 });
-  const of = (pointer) => ofShaft(page, pointer);
-  const place = of('/scene/bearings/0/at_mm');
-  const drawn = page.locator('[data-pointer="/scene/bearings/0"]');
-  assert.equal(await place.inputValue(), '55');
-  await drawn.press('PageUp');
-  await drawn.press('ArrowRight');
-  assert.equal(await place.inputValue(), '66');
-  assert.equal(await drawn.getAttribute('aria-valuenow'), '66');
-  const ball = await drawn.locator('.ball').first().boundingBox();
-  await page.mouse.move(ball.x + ball.width / 2, ball.y + ball.height / 2);
-  await page.mouse.down();
-  await page.mouse.move(ball.x + ball.width / 2 - 60, ball.y + ball.height / 2, { steps: 4 });
-  await page.mouse.up();
-  assert.ok(Number(await place.inputValue()) < 60, await place.inputValue());
-  await drawn.press('Enter');
-  assert.equal(await page.evaluate(() => document.activeElement.id), 's-scene-bearings-0-bearing');
-  ok('a bearing of the shaft moves by keys and pointer; Enter leads to its fields');
-
-  await place.fill('999');
-  const error = page.locator('#s-scene-bearings-0-at_mm-error', { hasText: 'from 0 to 290 mm' });
-  await error.waitFor();
-  assert.equal(await place.getAttribute('aria-invalid'), 'true');
-  await page.locator('.analysis.stale').waitFor();
-  await accessible(page, 'an error of the shaft');
-  await place.fill('x');
-  await page.locator('#s-scene-bearings-0-at_mm-error', { hasText: 'not a number' }).waitFor();
-  await place.fill('55');
-  await page.locator('.analysis:not(.stale)').waitFor();
-  ok('an error of the shaft stands at its field');
-
-  const firstCritical = () => page.locator('input[value=critical-0]').locator('xpath=..').textContent();
-  await page.waitForFunction(() => document.querySelector('input[value=critical-0]'));
-  const before = await firstCritical();
-  await of('/scene/shaft/sections/2/outer_diameter_mm').fill('60');
-  await page.waitForFunction((text) => document.querySelector('input[value=critical-0]')?.parentElement.textContent !== text, before);
-  await of('/scene/shaft/sections/2/outer_diameter_mm').fill('46');
-  await page.waitForFunction((text) => document.querySelector('input[value=critical-0]')?.parentElement.textContent === text, before);
-  ok(`the analysis follows each edit; first critical speed${before}`);
-
-  await page.locator('.chart .mark').first().press('Enter');
-  assert.equal(await page.locator('input[name=motion]:checked').inputValue(), 'critical-0');
-  await page.locator('input[name=motion]:checked').press('ArrowDown');
-  await page.locator('.shape + figcaption', { hasText: 'forward' }).waitFor();
-  ok('a mode shape is chosen on the diagram and by keys');
-
-  await page.locator('summary', { hasText: 'Linear supports' }).click();
-  await page.getByRole('button', { name: 'Add support' }).click();
-  await page.locator('.rotor td, .rotor th', { hasText: 'support 1' }).waitFor();
-  await page.locator('[data-pointer="/scene/supports/0"]').press('Delete');
-  await page.locator('.rotor th', { hasText: 'support 1' }).waitFor({ state: 'detached' });
-  assert.equal((await shaftRequest(page)).scene.supports, undefined);
-  ok('a support is added and removed');
-
-  await page.locator('summary', { hasText: 'Spall of the outer raceway' }).first().click();
-  for (const [name, value] of [
-    ['azimuth_deg', '0'],
-    ['length_mm', '0.8'],
-    ['depth_um', '3'],
-  ])
-    await of(`/scene/bearings/0/surfaces/outer/defects/0/${name}`).fill(value);
-  await page.locator('summary', { hasText: /^Run in time$/ }).click();
-  await of('/duration_s').fill('0.05');
-  await of('/settle_s').fill('0.02');
-  await page.locator('#shaft-run').click();
-  await page.locator('#panel-shaft .line-label', { hasText: 'BPFO@A' }).first().waitFor({ timeout: 300000 });
-  await page.locator('#panel-shaft figcaption', { hasText: 'Envelope spectrum of sensor nose acceleration' }).waitFor();
-  await picture(page, 'machine');
-  await accessible(page, 'the run of a shaft in time');
-  assert.deepEqual((await shaftRequest(page)).speeds_rpm, { from: 0, to: 60000, count: 31 }, 'the run keeps the settings of the analysis');
-  ok('a run in time shows levels, spectrum and envelope with lines of the bearing');
-
-  await page.locator('input[name=shaft-view][value=analysis]').check({ force: true });
-  await page.getByRole('button', { name: 'Keep as a job' }).click();
-  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor({ timeout: 60000 });
-  await page.reload();
-  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor({ timeout: 60000 });
-  await tab(page, 'jobs');
-  await page.locator('#panel-jobs tr', { hasText: 'machine' }).first().getByRole('button', { name: 'Open' }).click();
-  await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 60000 });
-  await tab(page, 'jobs');
-  await page.locator('#panel-jobs tr', { hasText: 'rotor' }).first().getByRole('button', { name: 'Open' }).click();
-  await page.getByRole('button', { name: 'Campbell SVG' }).waitFor();
-  ok('jobs of a shaft are kept, survive a reload and open from the list');
-}
-
-/** A motor spindle in a housing, built in the form: analysed, run in time to the spectrum of a sensor on it, then changed and taken apart. Returns its request. */
-async function housing(page) {
-  await tab(page, 'shaft');
-  const of = (pointer) => ofShaft(page, pointer);
-  const drawn = (pointer) => page.locator(`[data-pointer="${pointer}"]`);
-  const row = (text) => page.locator('.rotor th', { hasText: text });
-  await row('B').first().waitFor({ timeout: 30000 });
-
-  await page.locator('#shaft-fields summary', { hasText: 'Housing bodies' }).click();
-  await page.getByRole('button', { name: 'Add body' }).click();
-  assert.equal(await page.evaluate(() => document.activeElement.id), 's-scene-housing-bodies-0-at_mm');
-  await page.locator('fieldset', { hasText: 'Body 1' }).getByText('nothing restrains `head` along x').waitFor();
-  await page.locator('#shaft-fields summary', { hasText: 'Housing mounts' }).click();
-  await page.getByRole('button', { name: 'Add mount' }).click();
-  await row('mount 1').waitFor();
-  ok('a body that nothing holds is refused at its fields; a mount holds it');
-
-  for (const bearing of [0, 1]) {
-    await page.locator('summary', { hasText: 'Outer ring' }).nth(bearing).click();
-    await of(`/scene/bearings/${bearing}/outer_ring/on`).selectOption('head');
-  }
-  await page.getByRole('button', { name: 'Remove preload 1' }).click();
-  const seat = of('/scene/bearings/1/outer_ring/seat');
-  const [stiffness, spring] = ['stiffness_n_per_um/1', 'spring_force_n'].map((name) => of(`/scene/bearings/1/outer_ring/${name}`));
-  assert.ok((await stiffness.isHidden()) && (await spring.isHidden()));
-  await seat.selectOption('elastic');
-  await of('/scene/bearings/1/outer_ring/stiffness_n_per_um/0').fill('200');
-  await page.locator('#s-scene-bearings-1-outer_ring-stiffness_n_per_um-1-error', { hasText: 'from 0.001' }).waitFor();
-  assert.equal(await stiffness.getAttribute('aria-invalid'), 'true');
-  await seat.selectOption('sliding');
-  await page.locator('#s-scene-bearings-1-outer_ring-spring_force_n-error:not(:empty)').waitFor();
-  assert.ok((await stiffness.isHidden()) && (await spring.isVisible()));
-  await accessible(page, 'an error of a housing');
-  await spring.fill('300');
-  await of('/scene/bearings/1/outer_ring/spring_n_per_um').fill('0.1');
-  await page.locator('.analysis:not(.stale)').waitFor();
-  assert.deepEqual((await shaftRequest(page)).scene.bearings[1].outer_ring, {
-    on: 'head',
-    seat: 'sliding',
-    spring_force_n: 300,
-    spring_n_per_um: 0.1,
-  });
-  assert.equal(await drawn('/scene/bearings/1').getAttribute('aria-label'), 'Place of bearing B, sliding under a spring in head');
-  ok('a seat shows its own fields, and their errors stand at them');
-
-  await page.locator('#shaft-fields summary', { hasText: 'Sensors' }).click();
-  await page.getByRole('button', { name: 'Add sensor' }).click();
-  const sensor = '/scene/sensors/1';
-  await of(`${sensor}/name`).fill('acc');
-  await of(`${sensor}/at_mm`).fill('55');
-  await of(`${sensor}/on`).selectOption('head');
-  await of('/scene/sensors/0/relative_to').selectOption('head');
-  await row('acc').waitFor();
-  assert.equal(await drawn(sensor).getAttribute('aria-label'), 'Place of sensor acc, y, on head');
-  assert.equal(await drawn('/scene/sensors/0').getAttribute('aria-label'), 'Place of sensor nose, y, relative to head');
-  await drawn('/scene/housing/bodies/0').press('PageUp');
-  assert.equal(await of('/scene/housing/bodies/0/at_mm').inputValue(), '155');
-  await drawn('/scene/housing/mounts/0').press('ArrowLeft');
-  assert.equal(await of('/scene/housing/mounts/0/at_mm').inputValue(), '144');
-  const [frame, ring] = await Promise.all([
-    drawn('/scene/housing/bodies/0').locator('rect').boundingBox(),
-    drawn('/scene/bearings/1').locator('.ring').first().boundingBox(),
-  ]);
-  assert.ok(frame.x < ring.x && frame.x + frame.width > ring.x + ring.width && frame.y < ring.y, 'the body is drawn around what it holds');
-  await of('/scene/housing/bodies/0/name').fill('case');
-  await page.locator('.analysis:not(.stale)').waitFor();
-  const { scene } = await shaftRequest(page);
-  assert.deepEqual(
-    [scene.bearings[0].outer_ring.on, scene.housing.mounts[0].body, scene.sensors[1].on, scene.sensors[0].relative_to],
-    ['case', 'case', 'case', 'case'],
-  );
-  ok('bodies, mounts and sensors are drawn and move by keys; a new name of a body goes wherever it is named');
-
-  await of('/scene/operation/outer_speed_rpm').fill('100');
-  await page.locator('#s-scene-bearings-0-outer_ring-on-error', { hasText: 'does not turn' }).waitFor();
-  await of('/scene/operation/outer_speed_rpm').fill('');
-  await page.locator('.analysis:not(.stale)').waitFor();
-  await page.locator('summary', { hasText: /^Run in time$/ }).click();
-  await of('/duration_s').fill('0.05');
-  await of('/settle_s').fill('0.02');
-  const built = await shaftRequest(page);
-  await page.locator('#shaft-run').click();
-  const channel = page.locator('#panel-shaft .stage label', { hasText: 'Channel' }).locator('select');
-  await channel.waitFor({ timeout: 300000 });
-  await channel.selectOption('sensor.acc.acceleration');
-  const caption = page.locator('#panel-shaft figcaption', { hasText: 'Amplitude spectrum of sensor acc acceleration' });
-  await caption.waitFor();
-  await picture(page, 'housing-run');
-  await noLeftovers(page);
-  ok(`a spindle in a housing runs in time: ${(await caption.textContent()).split('. ').at(-2)}`);
-
-  await page.locator('input[name=shaft-view][value=analysis]').check({ force: true });
-  await drawn('/scene/housing/bodies/0').press('Delete');
-  await row('mount 1').waitFor({ state: 'detached' });
-  const left = (await shaftRequest(page)).scene;
-  assert.deepEqual([left.housing, left.bearings[0].outer_ring, left.sensors.map(({ name }) => name)], [undefined, undefined, ['nose']]);
-  assert.equal(left.sensors[0].relative_to, undefined);
-  ok('with a body go its mounts and sensors; rings stand in the ground again');
-  return built;
-}
-
-/** A rigid spindle on the bearings of the example, with outer rings that turn. */
-async function rigidSpindle(page) {
-  await tab(page, 'shaft');
-  const of = (pointer) => ofShaft(page, pointer);
-  await page.locator('.rotor table').first().waitFor({ timeout: 30000 });
-  const sections = page.locator('#shaft-fields summary', { hasText: /^Sections/ });
-  // A field that goes away takes its error with it.
-  await of('/scene/shaft/sections/0/length_mm').fill('x');
-  await page.locator('#s-scene-shaft-sections-0-length_mm-error', { hasText: 'not a number' }).waitFor();
-  await page.getByLabel('Rigid spindle', { exact: true }).check({ force: true });
-  await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle of 255"]').waitFor();
-  assert.ok((await sections.isHidden()) && (await of('/scene/spindle/mass_kg').isVisible()));
-  await of('/scene/spindle/mass_kg').fill('0');
-  await page.locator('#s-scene-spindle-mass_kg-error:not(:empty)').waitFor();
-  await of('/scene/spindle/mass_kg').fill('5');
-  await of('/scene/spindle/balance_grade').fill('2.5');
-  await of('/scene/operation/outer_speed_rpm').fill('-600');
-  await page.locator('.rotor .figures', { hasText: '5 kg' }).waitFor();
-  assert.deepEqual(await shaftRequest(page).then(({ scene }) => [scene.shaft, scene.spindle]), [undefined, { mass_kg: 5, balance_grade: 2.5 }]);
-  await picture(page, 'rigid-spindle');
-  await accessible(page, 'a rigid spindle');
-  await page.locator('summary', { hasText: /^Run in time$/ }).click();
-  await of('/duration_s').fill('0.02');
-  await of('/settle_s').fill('0.01');
-  await page.locator('#shaft-fields summary', { hasText: /^Terms$/ }).click();
-  await of('/scene/terms/tilt').selectOption('off');
-  await page.locator('#shaft-run').click();
-  await page.locator('#panel-shaft .line-label').first().waitFor({ timeout: 300000 });
-  await page.locator('#panel-shaft summary:visible', { hasText: 'Omitted terms: 1' }).click();
-  assert.match(await page.locator('#panel-shaft table:visible', { hasText: 'terms.tilt' }).locator('tbody tr').textContent(), /convention.*\sdB$/);
-  await noLeftovers(page);
-  await page.reload();
-  await page.locator('.shaft-drawing svg[aria-label^="Rigid spindle"]').waitFor();
-  await page.getByLabel('Shaft of sections').check({ force: true });
-  await sections.waitFor();
-  ok('a rigid spindle on two bearings is analysed and run, with outer rings that turn');
 }
 
 /** Links that say no more than a run, or not even that. `hash`: that of a page with a run of 50 000 r/min. */
@@ -1021,7 +515,7 @@ async function withToken(browser) {
 
 assert.ok(process.env.RACEWAY, 'RACEWAY names the binary');
 if (PICTURES) mkdirSync(PICTURES, { recursive: true });
-await alone();
+await modules();
 await measured.alone();
 const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ARGUMENTS });
 try {
@@ -1037,7 +531,7 @@ try {
   await example(browser, service.url, false);
   await page.goto(service.url);
   await fromPresetToPlot(page);
-  await measured.onResult(page, ok);
+  await measured.onResult(page);
   await slide(page);
   await tab(page, 'result');
 
@@ -1058,16 +552,15 @@ try {
   /** The parts with scenes of their own, one after the other. Returns the request of the shaft that was built. */
   const ownScenes = async () => {
     let built;
-    const tools = { ok, tab, accessible, picture, noLeftovers, reportOf, fits, desktop: DESKTOP, phone: PHONE };
     for (const [part, refused] of [
-      [(page) => uncertainty(page, tools), '/v1/jobs'],
+      [uncertainty, '/v1/jobs'],
       [orderedByName, '/v1/scenes/resolve'],
       [surfaces, '/v1/scenes/resolve'],
       [namedOnShaft, '/v1/rotor'],
       [shaft, '/v1/rotor'],
       [housing, '/v1/rotor'],
       [rigidSpindle, '/v1/rotor'],
-      [(page) => shaftRunUp(page, tools), '/v1/rotor'],
+      [shaftRunUp, '/v1/rotor'],
     ]) {
       const { page, context, faults } = await open(browser, {}, (status, path) => status === 422 && path === refused);
       await page.goto(second.url);

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { cpSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
+import { ok } from './tools.mjs';
 
 const RATE = 51200;
 const SPEED = 50;
@@ -91,7 +92,7 @@ export async function alone() {
   } finally {
     rmSync(page, { recursive: true });
   }
-  console.log('ok: measured files of four formats, their spectra, levels and lines by order');
+  ok('measured files of four formats, their spectra, levels and lines by order');
 }
 
 function files({ readMeasured }) {
@@ -207,7 +208,7 @@ function seriesShareTheirShift(comparedLines) {
 }
 
 /** A file on an opened result of a run at 3000 r/min: no request carries it. */
-export async function onResult(page, say) {
+export async function onResult(page) {
   const panel = page.locator('details.measured');
   await panel.waitFor();
   await panel.locator('summary').click();
@@ -230,5 +231,5 @@ export async function onResult(page, say) {
   await panel.getByText('there is no vibration to compare').waitFor();
   page.off('request', note);
   assert.deepEqual(sent, [], 'no file leaves the browser');
-  say('a measured file is drawn over a result, compared by order, and never sent');
+  ok('a measured file is drawn over a result, compared by order, and never sent');
 }

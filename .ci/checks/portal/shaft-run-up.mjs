@@ -2,6 +2,7 @@
 // uncertain inputs names its statistic.
 
 import assert from 'node:assert/strict';
+import { ok, picture, tab } from './tools.mjs';
 
 const RUN_UP = {
   kind: 'machine',
@@ -40,7 +41,7 @@ async function finished(page, request) {
   return id;
 }
 
-export async function shaftRunUp(page, { ok, tab, picture }) {
+export async function shaftRunUp(page) {
   await finished(page, RUN_UP);
   await tab(page, 'jobs');
   await page.locator('#panel-jobs tr', { hasText: 'machine' }).first().getByRole('button', { name: 'Open' }).click();

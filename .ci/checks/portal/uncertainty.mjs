@@ -2,6 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { readFile } from 'node:fs/promises';
+import { DESKTOP, PHONE, accessible, fits, noLeftovers, ok, picture, reportOf } from './tools.mjs';
 
 /** Short runs of a fast model. */
 const SCENE = {
@@ -43,7 +44,7 @@ function assertShown(text, expected, what) {
 const rowsOf = async (table) =>
   new Map(await table.locator('tbody tr').evaluateAll((rows) => rows.map((row) => [...row.children].map((cell) => cell.textContent)).map(([name, ...cells]) => [name, cells])));
 
-export async function uncertainty(page, { ok, accessible, picture, noLeftovers, reportOf, fits, desktop, phone }) {
+export async function uncertainty(page) {
   const panel = page.locator('#panel-study');
   const result = page.locator('#panel-result');
   await page.locator('#request summary').first().click();
@@ -83,10 +84,10 @@ export async function uncertainty(page, { ok, accessible, picture, noLeftovers, 
   await panel.locator('[role=alert]', { hasText: 'must be a power of two' }).waitFor();
   await picture(page, 'uncertainty-form');
   await accessible(page, 'the form of an uncertainty job');
-  await page.setViewportSize(phone);
+  await page.setViewportSize(PHONE);
   await fits(page, 'the form of an uncertainty job');
   await picture(page, 'uncertainty-form-390');
-  await page.setViewportSize(desktop);
+  await page.setViewportSize(DESKTOP);
   await samples.focus();
   await samples.press('ControlOrMeta+A');
   await page.keyboard.type(String(SAMPLES));
@@ -158,11 +159,11 @@ export async function uncertainty(page, { ok, accessible, picture, noLeftovers, 
   await picture(page, 'uncertainty');
   await accessible(page, 'an uncertainty job');
   await noLeftovers(page);
-  await page.setViewportSize(phone);
+  await page.setViewportSize(PHONE);
   await fits(page, 'an uncertainty job');
   await picture(page, 'uncertainty-390');
   await accessible(page, 'an uncertainty job, 390 px');
-  await page.setViewportSize(desktop);
+  await page.setViewportSize(DESKTOP);
   ok('its spread, errors, percentiles and ranking are those of the API');
 
   await result.getByRole('button', { name: 'Report' }).click();
