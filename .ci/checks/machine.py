@@ -117,7 +117,7 @@ def case_growing_whirl(running):
     path, _ = running.submit(body)
     ended = running.ended(path, at_most=120)
     detail = (ended.get("error") or {}).get("detail", "")
-    verdict(ended["status"] == "failed" and "rotating_share" in detail and "decays below" in detail, f"whirl that damping drives: {ended['status']}, {detail}")
+    verdict(ended["status"] == "failed" and "rotating_share" in detail and "linear analysis it decays below" in detail, f"whirl that damping drives: {ended['status']}, {detail}")
 
 
 def case_whirl_by_balls(running):

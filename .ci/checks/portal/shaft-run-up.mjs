@@ -64,7 +64,12 @@ export async function shaftRunUp(page) {
   assert.equal((await request()).scene.operation.speed_rpm, 9000);
   assert.equal((await request()).outputs?.orders, undefined, 'a constant speed has no run-up');
   await speeds[1].fill('10000');
+  await speeds[2].fill('0');
+  await page.locator('#s-ramp-time-error', { hasText: 'above 0 s' }).waitFor();
+  await speeds[1].fill('6000000');
   await speeds[2].fill('0.2');
+  await page.locator('#s-ramp-to-error', { hasText: '6000000' }).waitFor();
+  await speeds[1].fill('10000');
   const ramped = await request();
   assert.deepEqual(ramped.scene.operation.speed_rpm, [{ at_s: 0.05, rpm: 9000 }, { at_s: 0.25, rpm: 10000 }]);
   assert.deepEqual([ramped.duration_s, ramped.outputs], [0.2, { orders: {} }]);

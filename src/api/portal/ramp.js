@@ -1,5 +1,6 @@
 // A speed ramp: two points of the speed's profile, recorded from the first to the last, with orders.
 
+import { readNumber } from './form.js';
 import { write } from './request.js';
 
 const SPEED = '/scene/operation/speed_rpm';
@@ -19,6 +20,22 @@ export function rampOf(request) {
   const [first, last] = speed;
   return { from: first.rpm, to: last.rpm, time: Number((last.at_s - first.at_s).toPrecision(9)) };
 }
+
+/** The `value` of a typed ramp time, undefined if the text is empty, or an `error`. */
+export function readRampTime(text) {
+  const read = readNumber(text);
+  return read.value <= 0 ? { error: 'The time of a ramp must be above 0 s.' } : read;
+}
+
+/** Fields of a ramp by the pointers into its profile. */
+const OF_PROFILE = {
+  [`${SPEED}/0/rpm`]: SPEED,
+  [`${SPEED}/1/rpm`]: '/ramp/to',
+  [`${SPEED}/1/at_s`]: '/ramp/time',
+};
+
+/** Errors of a ramp's profile, at the fields of the ramp. */
+export const atRamp = (errors) => errors.map((error) => ({ ...error, pointer: OF_PROFILE[error.pointer] ?? error.pointer }));
 
 /** A request with this ramp; without a last speed, with a constant one. */
 export function withRamp(request, { from, to, time = TIME }) {

@@ -6,7 +6,7 @@ import { h, select } from './dom.js';
 import { GROUPS, FIELDS, help, schemaAt } from './fields.js';
 import { field, Fields, focusFirstError, idOf, offered, ownDimensions, readNumber, textInput } from './form.js';
 import { PAIR, pairOf, plain, plainNumber, words } from './format.js';
-import { rampOf, withRamp } from './ramp.js';
+import { atRamp, rampOf, readRampTime, withRamp } from './ramp.js';
 import { read, write } from './request.js';
 import { SurfacesForm } from './surfaces.js';
 
@@ -64,7 +64,7 @@ export class SceneForm {
 
   /** Shows errors at their fields and returns those without a field. */
   showErrors(errors) {
-    return this.#fields.showErrors(this.surfaces.showErrors(errors)).elsewhere;
+    return this.#fields.showErrors(this.surfaces.showErrors(atRamp(errors))).elsewhere;
   }
 
   /** Whether a field contains text that is not a number. */
@@ -146,7 +146,7 @@ export class SceneForm {
   #edited(spec, input) {
     const isNumber = input.tagName === 'INPUT';
     const text = { value: input.value.trim() || undefined };
-    const { value, error } = isNumber ? this.#fields.read(spec.pointer, spec.pair ? readPair : readNumber) : text;
+    const { value, error } = isNumber ? this.#fields.read(spec.pointer, readerOf(spec)) : text;
     if (error) {
       this.onChange(this.job);
       return;
@@ -177,6 +177,12 @@ export function symbol(text) {
   return text
     ? h('span', { class: 'symbol', 'aria-hidden': 'true' }, h('i', {}, text[0]), text.length > 1 && h('sub', {}, text.slice(1)))
     : null;
+}
+
+/** The reader of a typed text. */
+function readerOf({ pair, ramp }) {
+  if (pair) return readPair;
+  return ramp === 'time' ? readRampTime : readNumber;
 }
 
 /** The `value` of two typed numbers, undefined if the text is empty, or an `error`. */

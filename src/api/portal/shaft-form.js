@@ -3,8 +3,8 @@
 import { designationField } from './designation.js';
 import { h, labelledRadio, more, select, small, tools } from './dom.js';
 import { help } from './fields.js';
-import { field, Fields, focusFirstError, idOf, offered, openAround, ownDimensions, textInput } from './form.js';
-import { rampOf, withRamp } from './ramp.js';
+import { field, Fields, focusFirstError, idOf, offered, openAround, ownDimensions, readNumber, textInput } from './form.js';
+import { atRamp, rampOf, readRampTime, withRamp } from './ramp.js';
 import { read, write } from './request.js';
 import { ANALYSIS, LISTS, OPERATION, RUN, SHAFT, SPINDLE, TERMS } from './shaft-lists.js';
 import { arrangement, dimensions, EXAMPLE, isRigid, listAt, renamed, without } from './shaft-request.js';
@@ -76,7 +76,7 @@ export class ShaftForm {
 
   /** Shows errors at their fields, else at the item or list that holds them. Returns those of no place. */
   showErrors(errors) {
-    const { places, elsewhere } = this.#fields.showErrors(errors, (pointer) => this.#places.has(pointer));
+    const { places, elsewhere } = this.#fields.showErrors(atRamp(errors), (pointer) => this.#places.has(pointer));
     for (const [pointer, error] of this.#places) {
       error.textContent = (places.get(pointer) ?? []).join('\n');
       if (error.textContent) openAround(error);
@@ -276,7 +276,7 @@ export class ShaftForm {
   }
 
   #typed(pointer, { size, alike, ramp }) {
-    const { value, error } = this.#fields.read(pointer);
+    const { value, error } = this.#fields.read(pointer, ramp === 'time' ? readRampTime : readNumber);
     if (error) this.onChange(this.request);
     else if (ramp) this.#change(withRamp(this.request, { ...rampOf(this.request), [ramp]: value }));
     else this.#change(write(this.request, pointer, value, { size, others: alike ? value : 0 }));

@@ -48,7 +48,7 @@ pub struct MachineInput {
     /// The shaft on its bearings. A `rotor` job takes the same scene.
     #[serde(deserialize_with = "object")]
     pub scene: RotorSceneInput,
-    /// Recorded time, after settling [s]. Default 0.2, or up to the last point of a speed profile, at most 10. At most 60, and 312.5 over the number
+    /// Recorded time, after settling [s]. Default 0.2, or up to the last point of a speed profile, at most 10 and as long as it can be kept. At most 60, and 312.5 over the number
     /// of recorded signals.
     #[schema(nullable = false, example = 0.2)]
     pub duration_s: Option<f64>,
@@ -279,22 +279,26 @@ pub(super) fn machine(
 
 /// Times, accuracy and outputs of the run. Errors are noted in `defaults`.
 fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut Defaults) -> MachineSettings {
-    let duration = checked_times(&mut input.settle_s, &mut input.duration_s, DURATION_S, machine, defaults);
+    let series = match (machine, &mut input.outputs) {
+        (Some(machine), Some(outputs)) => outputs.series(machine, defaults),
+        _ => Vec::new(),
+    };
+    let of_balls = series.iter().filter(|channel| channel.is_of_ball()).count();
+    let channels = machine.map_or(1, |machine| MachineChannel::all(machine).len() + of_balls);
+    let duration = checked_times(&mut input.settle_s, &mut input.duration_s, (DURATION_S, channels), machine, defaults);
     let range = defaults.fill("/mode_range", &mut input.mode_range, RANGE);
     defaults.check_of_rotor("/mode_range", range);
     if let Some(step) = input.step_us {
         defaults.check_of_rotor("/step_us", step);
     }
-    let mut kept = (Vec::new(), ENVELOPE);
+    let mut envelope = ENVELOPE;
     if let (Some(machine), Some(outputs)) = (machine, &mut input.outputs) {
-        // At a constant speed the number of turns does not depend on the time before.
-        let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
-        kept = (outputs.series(machine, &run, defaults), outputs.envelope(defaults));
-    }
-    let (series, envelope) = kept;
-    if let Some(machine) = machine {
-        let of_balls = series.iter().filter(|channel| channel.is_of_ball()).count();
-        check_size(duration, MachineChannel::all(machine).len() + of_balls, defaults);
+        if let Some(orders) = &mut outputs.orders {
+            // At a constant speed the number of turns does not depend on the time before.
+            let run = RecordedTurns::of_machine(machine, input.settle_s.unwrap_or_default(), duration);
+            orders.resolve(&run, defaults);
+        }
+        envelope = outputs.envelope(defaults);
     }
     let bands_hz = input.outputs.as_ref().and_then(|outputs| outputs.bands_hz.clone());
     let band_edges = band_edges(defaults, &bands_hz);
@@ -302,40 +306,41 @@ fn settings(input: &mut MachineInput, machine: Option<&Machine>, defaults: &mut 
     MachineSettings { settle: input.settle_s, duration, step, range, series, envelope, band_edges }
 }
 
-/// The recorded time [s], by default up to the last point of a speed profile, or `usual`. Errors of it and of the time before are noted in
-/// `defaults`.
+/// The recorded time of a number of channels [s], by default `usual`, or up to the last point of a speed profile as far as it can
+/// be kept. Errors of it and of
+/// the time before are noted in `defaults`.
 pub(super) fn checked_times(
     settle_s: &mut Option<f64>,
     duration_s: &mut Option<f64>,
-    usual: f64,
+    (usual, channels): (f64, usize),
     machine: Option<&Machine>,
     defaults: &mut Defaults,
 ) -> f64 {
+    let longest = MAX_VALUES / (RATE * channels as f64);
     let changing = machine.into_iter().flat_map(|machine| [&machine.speed, &machine.outer_speed]);
     let changing: Vec<_> = changing.filter(|speed| !speed.is_constant()).collect();
     if !changing.is_empty() {
         let first = changing.iter().map(|speed| speed.points()[0].0).fold(f64::INFINITY, f64::min);
         let last = changing.iter().map(|speed| speed.end()).fold(0.0, f64::max);
         let settle = defaults.fill("/settle_s", settle_s, first);
-        let run_up = significant((last - settle).clamp(usual, MAX_RUN_UP_S), 6);
+        let most = MAX_RUN_UP_S.min(milliseconds(longest));
+        let run_up = significant((last - settle).min(most).max(usual), 6);
         defaults.fill("/duration_s", duration_s, run_up);
     }
     let duration = defaults.fill("/duration_s", duration_s, usual);
     if let Some(settle) = *settle_s {
         defaults.check_of_rotor("/settle_s", settle);
     }
-    defaults.check_of_rotor("/duration_s", duration);
+    if defaults.check_of_rotor("/duration_s", duration) && duration > longest {
+        let [given, most] = [duration, milliseconds(longest)].map(short);
+        defaults.refuse("/duration_s", format!("{given} s: at most {most} s with {channels} channels"));
+    }
     duration
 }
 
-/// Refuses a record of more values than a run may keep, unless its range is refused already.
-pub(super) fn check_size(duration: f64, channels: usize, defaults: &mut Defaults) {
-    let channels = channels as f64;
-    let is_refused = defaults.errors.iter().any(|error| error.pointer == "/duration_s");
-    if !is_refused && duration * RATE * channels > MAX_VALUES {
-        let (longest, given) = (short(MAX_VALUES / (RATE * channels)), short(duration));
-        defaults.refuse("/duration_s", format!("{given} s: at most {longest} s with {channels} channels"));
-    }
+/// A time [s] in whole milliseconds, not more than it.
+fn milliseconds(time: f64) -> f64 {
+    (1e3 * time).floor() / 1e3
 }
 
 impl MachineOutputsInput {
@@ -345,21 +350,20 @@ impl MachineOutputsInput {
     }
 
     /// The kept series, with those of the order analysis. Errors are noted in `defaults`.
-    fn series(&mut self, machine: &Machine, run: &RecordedTurns, defaults: &mut Defaults) -> Vec<MachineChannel> {
+    fn series(&mut self, machine: &Machine, defaults: &mut Defaults) -> Vec<MachineChannel> {
         let names = defaults.fill("/outputs/series", &mut self.series, Vec::new());
         let mut series = channels(&names, "/outputs/series", machine, defaults);
         if let Some(orders) = &mut self.orders {
             let analysed = orders
                 .resolve_channels(&MachineChannel::first_acceleration(machine).named(machine).to_string(), defaults);
             let analysed = channels(&analysed, "/outputs/orders/channels", machine, defaults);
-            let turning = run.bearings.iter().flat_map(RecordedBearing::turning_channels);
+            let turning = RecordedBearing::of_machine(machine).flat_map(|bearing| bearing.turning_channels());
             let turning = turning.filter_map(|name| MachineChannel::parse(&name, machine));
             for channel in analysed.into_iter().chain(turning) {
                 if !series.contains(&channel) {
                     series.push(channel);
                 }
             }
-            orders.resolve(run, defaults);
         }
         series
     }

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use utoipa::ToSchema;
 
 use super::kind::JobKind;
-use super::machine::{check_size, checked_times, machine};
+use super::machine::{checked_times, machine};
 use super::shaft_draft::{ShaftDraft, ShaftRequest};
 use super::submission::{ServiceFields, Submission};
 use crate::contract::json::defaults::Defaults;
@@ -146,10 +146,8 @@ fn plan(input: &mut ModeComparisonInput, machine: Option<&Machine>, defaults: &m
     let ranges = defaults.fill("/mode_ranges", &mut input.mode_ranges, MODE_RANGES.to_vec());
     let reference_range = defaults.fill("/reference_range", &mut input.reference_range, REFERENCE_RANGE);
     check_ranges(&ranges, reference_range, defaults);
-    let duration = checked_times(&mut input.settle_s, &mut input.duration_s, DURATION_S, machine, defaults);
-    if let Some(machine) = machine {
-        check_size(duration, MachineChannel::all(machine).len(), defaults);
-    }
+    let channels = machine.map_or(1, |machine| MachineChannel::all(machine).len());
+    let duration = checked_times(&mut input.settle_s, &mut input.duration_s, (DURATION_S, channels), machine, defaults);
     if let Some(step) = input.step_us {
         defaults.check_of_rotor("/step_us", step);
     }

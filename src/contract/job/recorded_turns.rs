@@ -43,11 +43,10 @@ impl RecordedTurns {
 
     /// The same of a machine.
     pub fn of_machine(machine: &Machine, settle: f64, duration: f64) -> Self {
-        let bearings = machine.bearings.iter();
         Self {
             angle: recorded_angle([&machine.speed, &machine.outer_speed], settle, duration),
             outer_ring_turns: machine.outer_speed.largest() > 0.0,
-            bearings: bearings.map(|bearing| RecordedBearing::of(&bearing.scene, Some(&bearing.name))).collect(),
+            bearings: RecordedBearing::of_machine(machine).collect(),
         }
     }
 
@@ -78,6 +77,11 @@ impl RecordedTurns {
 }
 
 impl RecordedBearing {
+    /// The bearings of a machine, in their order.
+    pub fn of_machine(machine: &Machine) -> impl Iterator<Item = Self> {
+        machine.bearings.iter().map(|bearing| Self::of(&bearing.scene, Some(&bearing.name)))
+    }
+
     fn of(scene: &Scene, name: Option<&String>) -> Self {
         Self {
             name: name.cloned(),

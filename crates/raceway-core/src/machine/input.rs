@@ -163,7 +163,9 @@ impl StepsOfLoss {
 }
 
 fn below(speed: Option<f64>) -> String {
-    speed.map_or_else(String::new, |speed| format!(". It decays below {:.0} r/min", 60.0 * speed / TAU))
+    speed.map_or_else(String::new, |speed| {
+        format!(". By the linear analysis it decays below {:.0} r/min", 60.0 * speed / TAU)
+    })
 }
 
 fn at_speeds(speeds: &[f64; 2]) -> String {

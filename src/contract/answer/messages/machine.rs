@@ -25,7 +25,11 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
         MachineWarning::StartTransient { time_constant, settle, required, constant_speed } => {
             let is_short = *time_constant <= LONGEST_SHOWN_S;
             let time_constant_s = significant(*time_constant, 3);
-            let shown = if is_short { time_constant_s.to_string() } else { format!("more than {LONGEST_SHOWN_S}") };
+            let slowest = if is_short {
+                format!("decays with a time constant of {time_constant_s} s")
+            } else {
+                "hardly decays, or grows,".to_owned()
+            };
             let longest = limits::of_rotor_field("/settle_s").map_or(0.0, |limits| limits.highest);
             let remedy = if *required > longest {
                 "More damping of the shaft, of mounts and seats (their tilt, too), or a larger load of the bearings shortens it.".to_owned()
@@ -35,8 +39,8 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
                 format!("Hold the first speed for {required:.2} s before anything is recorded.")
             };
             let text = format!(
-                "The recorded time may contain free motion from the start: the slowest of shaft and bearings decays with a time constant of \
-                 {shown} s, and settle_s is {}. {remedy}",
+                "The recorded time may contain free motion from the start: the slowest of shaft and bearings {slowest} \
+                 by the linear analysis, and settle_s is {}. {remedy}",
                 significant(*settle, 3)
             );
             let values = [("time_constant_s", *time_constant), ("required_settle_s", *required)];
@@ -44,9 +48,11 @@ pub fn of_machine(machine: &Machine, warning: &MachineWarning) -> MessageAnswer 
         }
         MachineWarning::NotStationary { channel, change_db } => {
             let channel = channel.named(machine).to_string();
+            let rises = "A level that rises on belongs to a motion that grows by itself, such as whirl.";
+            let growth = if *change_db > 0.0 { format!(" {rises}") } else { String::new() };
             let text = format!(
                 "Level not stationary: {channel} changed by {change_db:+.1} dB during the recorded time. Increase settle_s, or duration_s if \
-                 the level oscillates."
+                 the level oscillates.{growth}"
             );
             let values = vec![("channel", json!(channel)), ("change_db", json!(significant(*change_db, 3)))];
             (MessageCode::NotStationary, text, values)
