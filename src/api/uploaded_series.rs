@@ -184,18 +184,20 @@ pub(super) fn of_json(query_rate_hz: Option<f64>, body: &[u8]) -> Result<Samples
     samples(input.rate_hz, input.values, "/rate_hz")
 }
 
-/// One value a line; the first line may be a heading.
+/// One value a line; the first line may be a heading. An empty line between values may be a missing one, so that later ones would move.
 pub(super) fn of_csv(rate_hz: Option<f64>, body: &[u8]) -> Result<Samples, Refusal> {
     let refuse = |detail: String| Refusal::from(FieldError::new("", detail));
     let rate_hz =
         rate_hz.ok_or_else(|| refuse("CSV needs the rate in the query: /v1/series?rate_hz=1000".to_owned()))?;
     let text = std::str::from_utf8(body).map_err(|_| refuse("the body is not UTF-8".to_owned()))?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut values = Vec::new();
+    let (mut values, mut gap) = (Vec::new(), None);
     for (number, line) in text.lines().enumerate() {
-        match line.trim() {
-            "" => {}
-            entry => match entry.parse::<f64>() {
+        match (line.trim(), gap) {
+            ("", None) if !values.is_empty() => gap = Some(number),
+            ("", _) => {}
+            (_, Some(number)) => return Err(refuse(format!("line {}: empty, between two values", number + 1))),
+            (entry, None) => match entry.parse::<f64>() {
                 Ok(value) if value.is_finite() => values.push(value),
                 Err(_) if number == 0 && is_heading(entry) => {}
                 _ => {
@@ -236,7 +238,7 @@ mod tests {
 
     #[test]
     fn csv_and_json_give_the_same_values() {
-        let csv = of_csv(Some(1000.0), b"force_n\r\n0\r\n 12.5\n\n-3e1\n").unwrap();
+        let csv = of_csv(Some(1000.0), b"force_n\r\n\n0\r\n 12.5\n-3e1\n\n\n").unwrap();
         let json = of_json(None, br#"{"rate_hz": 1000, "values": [0, 12.5, -30]}"#).unwrap();
         assert_eq!(csv, json);
         let marked = of_csv(Some(1000.0), b"\xef\xbb\xbf0\r\n12.5\r\n-30\r\n").unwrap();
@@ -250,6 +252,7 @@ mod tests {
         assert!(text(of_csv(None, b"1\n2")).contains("rate_hz"));
         assert!(text(of_csv(Some(1e3), b"1\n2;3")).contains("line 2: `2;3`"));
         assert!(text(of_csv(Some(1e3), b"1\n2\ninf")).contains("line 3"));
+        assert!(text(of_csv(Some(1e3), b"1\n\n\n2")).contains("line 2: empty"));
         for first in ["nan", "inf", "1e999", "−3", "12 N", "1,5", ";"] {
             let body = format!("{first}\n2\n3\n");
             assert!(text(of_csv(Some(1e3), body.as_bytes())).contains(&format!("line 1: `{first}`")), "{first}");

@@ -25,6 +25,23 @@ fn article(operation: Value) -> Value {
     json!({"kind": "simulation", "scene": {"bearing": "article-integrated", "operation": operation}})
 }
 
+/// A speed and a load that change after the record leave the model levels of constant ones.
+#[test]
+fn changes_after_the_record_do_not_count() {
+    let operation = json!({
+        "speed_rpm": [{"at_s": 100, "rpm": 6000}, {"at_s": 200, "rpm": 50000}],
+        "radial_load_y_n": 200,
+        "loads": [{"direction": "y", "points": [{"at_s": 0, "n": 0}, {"at_s": 50, "n": 0}, {"at_s": 60, "n": 9}]}],
+    });
+    let times = |mut request: Value| {
+        (request["settle_s"], request["duration_s"]) = (json!(0.02), json!(0.1));
+        request
+    };
+    let levels = |operation| base(&times(article(operation))).model_levels;
+    assert!(levels(operation.clone()).len() > 1);
+    assert_eq!(levels(operation), levels(json!({"speed_rpm": 6000, "radial_load_y_n": 200})));
+}
+
 #[test]
 fn extremes_are_accepted() {
     for operation in [

@@ -108,6 +108,18 @@ fn bearings_without_a_shaft_hold_a_rigid_spindle() {
     }
 }
 
+/// A speed after the record leaves the run of a constant one, in all its bearings.
+#[test]
+fn a_speed_after_the_record_does_not_count() {
+    let mut request = machine("machine", json!({}));
+    request["settle_s"] = json!(0.1);
+    request["duration_s"] = json!(0.1);
+    request["scene"]["operation"]["speed_rpm"] = json!([{ "at_s": 100, "rpm": 1000 }, { "at_s": 200, "rpm": 60000 }]);
+    let Job::Machine(job) = parsed(&request).unwrap() else { panic!("another kind") };
+    assert!(job.machine.speed.is_constant());
+    assert!(job.machine.bearings.iter().all(|bearing| bearing.scene.operating_speeds().inner < 105.0));
+}
+
 /// Cage bending, heat and fits are described, and come later.
 #[test]
 fn later_fields_are_named() {

@@ -6,6 +6,7 @@ use super::bearing::{BearingOnShaft, ReducedModel, bearings};
 use super::frame::{Frame, OuterPort};
 use super::input::{Machine, MachineError};
 use crate::numerics::ode::OdeSystem;
+use crate::physics::limits::SHORTEST_RAMP;
 use crate::physics::operation::SpeedProfile;
 use crate::rotor::input::rising;
 use crate::simulation::input::model_level::ModelLevel;
@@ -148,7 +149,7 @@ impl MachineDynamics {
     /// Times after 0 at which a load or a speed has a kink, rising [s].
     pub fn kinks(&self) -> Vec<f64> {
         let of_speeds = self.speed.kinks().chain(self.outer_speed.kinks());
-        rising(self.frame.kinks().chain(of_speeds).filter(|time| *time > 0.0).collect())
+        rising(self.frame.kinks().chain(of_speeds).filter(|time| *time >= SHORTEST_RAMP).collect())
     }
 
     /// Torque of the drive on the shaft that balances the bearings [N m].

@@ -35,6 +35,15 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// The machine of a run that ends at a time [s]: later points of its speeds do not count.
+    pub fn until(mut self, end: f64) -> Self {
+        (self.speed, self.outer_speed) = (self.speed.until(end), self.outer_speed.until(end));
+        for bearing in &mut self.bearings {
+            bearing.scene.operation = bearing.scene.operation.until(end);
+        }
+        self
+    }
+
     /// The machine without some terms of the system around its bearings.
     pub(super) fn without(mut self, terms: impl Iterator<Item = SystemTerm>) -> Self {
         for term in terms {

@@ -69,7 +69,8 @@ impl Run<'_> {
     ) -> Result<MachineRecording, MachineError> {
         let step = StepLength { longest: first_step(self.dynamics), share: 1.0 };
         let [_, window] = times(self.machine, settings);
-        self.record(window, step, control, work).map_err(|error| self.failed(error, StepsOfLoss::Selected(step.full())))
+        let steps = settings.step.map_or(StepsOfLoss::DownTo(step.full()), StepsOfLoss::Selected);
+        self.record(window, step, control, work).map_err(|error| self.failed(error, steps))
     }
 
     /// Records a time after settling, in steps of a length.

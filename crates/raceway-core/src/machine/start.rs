@@ -10,18 +10,25 @@ use crate::simulation::model::equilibrium::on_ring;
 use crate::simulation::model::state::{BallState, SpindleState};
 
 /// The shaft at its operating point, moving as unbalance and harmonic loads make it on linear bearings; balls in equilibrium at the place of
-/// their ring, in ideal rolling.
+/// their ring, in ideal rolling. Where an inner ring has no load, the shaft starts without this motion: that of a shaft which the bearing does not
+/// hold may be larger than its clearance.
 pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<f64>, MachineError> {
     let frame = &dynamics.frame;
     let rest = deflection(&frame.system, &machine.rotor)?;
     let speed = machine.rotor.speed;
-    // At time 0 the shaft has turned by no angle.
-    let whirl = of_unbalance(&frame.system, &machine.rotor.unbalances, speed);
-    let mut place = rest + whirl.map(|value| value.re);
-    let mut velocity = whirl.map(|value| -speed * value.im);
-    for (amplitude, frequency) in machine.rotor.loads.iter().filter_map(|load| of_load(&frame.system, load, speed)) {
-        place += amplitude.map(|value| value.re);
-        velocity -= amplitude.map(|value| frequency * value.im);
+    let mut velocity = rest.map(|_| 0.0);
+    let mut place = rest;
+    let mut operating = frame.system.operating.iter().take(1).flat_map(|point| &point.rings);
+    if operating.all(|ring| ring.largest_loads[0] > 0.0) {
+        // At time 0 the shaft has turned by no angle.
+        let whirl = of_unbalance(&frame.system, &machine.rotor.unbalances, speed);
+        place += whirl.map(|value| value.re);
+        velocity -= whirl.map(|value| speed * value.im);
+        for (amplitude, frequency) in machine.rotor.loads.iter().filter_map(|load| of_load(&frame.system, load, speed))
+        {
+            place += amplitude.map(|value| value.re);
+            velocity -= amplitude.map(|value| frequency * value.im);
+        }
     }
     let (place, velocity) = (place.as_slice(), velocity.as_slice());
     let mut state = Vec::new();

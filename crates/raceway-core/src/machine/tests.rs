@@ -25,6 +25,7 @@ use crate::physics::frame::beam::Tube;
 use crate::physics::frame::disc::{Disc, UnbalancePlane};
 use crate::physics::frame::housing::Housing;
 use crate::physics::frame::shaft::{Section, Shaft, ShaftMotion, SpindleBody};
+use crate::physics::frame::support::Support;
 use crate::physics::frames::dot;
 use crate::physics::operation::SpeedProfile;
 use crate::physics::presets;
@@ -546,4 +547,19 @@ fn whirl_that_its_damping_drives_ends_with_the_cause() {
     assert_eq!(growth(0.98 * threshold), None);
     let above = threshold_in(&growth(1.02 * threshold).unwrap());
     assert!((above / threshold - 1.0).abs() < 1e-3, "{above} rad/s and {threshold} rad/s");
+}
+
+/// A support that couples both directions drives a whirl. Damping that turns beside it, but drives nothing, is not blamed.
+#[test]
+fn growth_is_blamed_on_its_cause() {
+    let mut machine = motor_spindle();
+    let mut stiffness = [[0.0; 5]; 5];
+    (stiffness[1][2], stiffness[2][1]) = (2e7, -2e7);
+    machine.rotor.supports = vec![Support { at: 0.15, on: None, stiffness, damping: [[0.0; 5]; 5] }];
+    for share in [0.0, 1e-6] {
+        machine.rotor.shaft.rotating_share = share;
+        let dynamics = MachineDynamics::new(&machine, RANGE, &|| false).unwrap();
+        let error = check_growth(&machine, &dynamics, 0.0, 0.5).unwrap_err().to_string();
+        assert!(error.ends_with("a support pushes it (`supports`)"), "{share}: {error}");
+    }
 }

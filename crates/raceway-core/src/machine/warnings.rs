@@ -19,7 +19,7 @@ pub(super) fn warnings(
     let of_steps = uncertain(result, allowed_db, last).into_iter().chain(partly_verified(machine, result));
     let of_steps = of_steps.chain(result.beyond(allowed_db).map(MachineWarning::ModelNotConfirmed));
     let start = start_transient(machine, result);
-    let is_steady = is_steady(machine, result.settle);
+    let is_steady = is_steady(machine, result);
     let trends = if is_steady { not_stationary(result) } else { Vec::new() };
     // Free motion of the start has the same lines, and uneven surfaces have more lines than have labels.
     let is_known = |bearing: &MachineBearing| bearing.scene.surfaces.are_ideal() && !bearing.scene.has_unequal_balls();
@@ -78,22 +78,30 @@ fn uncertain(result: &MachineResult, allowed_db: f64, last: LastStep) -> Option<
 /// A change of speed or load within the record, after the time that was repeated.
 fn partly_verified(machine: &Machine, result: &MachineResult) -> Option<MachineWarning> {
     let window = result.accuracy.window;
-    let (verified, end) = (result.settle + window, result.settle + result.duration);
-    let is_later = |from: f64, to: f64| to > verified && from < end;
-    let loads = machine.rotor.loads.iter().enumerate();
+    let verified = result.settle + window;
+    if window >= result.duration {
+        return None;
+    }
     let shock = |place: usize| machine.rotor.loads[place].load.shock().map(|shock| shock.at);
-    let changing = loads.filter_map(|(place, load)| Some((place, load.load.end()?)));
-    let mut later = changing.filter(|&(place, to)| is_later(shock(place).unwrap_or(0.0), to));
-    let load = later.next().map(|(place, _)| LaterChange::Load { place, at: shock(place) });
+    let later = ends_of_loads(machine, result).find(|(_, end)| *end > verified);
+    let load = later.map(|(place, _)| LaterChange::Load { place, at: shock(place) });
     let turns = !machine.speed.is_constant() && machine.speed.end() > verified;
     let change = load.or(turns.then_some(LaterChange::Speed))?;
     Some(MachineWarning::PartlyVerified { window, change, step: result.accuracy.step })
 }
 
-/// True where neither speed nor loads change after settling but periodically.
-fn is_steady(machine: &Machine, settle: f64) -> bool {
-    let ends = machine.rotor.loads.iter().filter_map(|load| load.load.end());
-    ends.fold(0.0, f64::max) <= settle && (machine.speed.is_constant() || machine.speed.end() <= settle)
+/// True where neither speed nor loads change in the recorded time but periodically.
+fn is_steady(machine: &Machine, result: &MachineResult) -> bool {
+    let ends = ends_of_loads(machine, result).map(|(_, end)| end);
+    let speed_is_steady = machine.speed.is_constant() || machine.speed.end() <= result.settle;
+    ends.fold(0.0, f64::max) <= result.settle && speed_is_steady
+}
+
+/// Places of the loads that change before the end of the record, each with the time of its last change [s].
+fn ends_of_loads<'a>(machine: &'a Machine, result: &MachineResult) -> impl Iterator<Item = (usize, f64)> + 'a {
+    let end = result.settle + result.duration;
+    let loads = machine.rotor.loads.iter().enumerate();
+    loads.filter_map(move |(place, placed)| Some((place, placed.load.until(end).end()?)))
 }
 
 /// The accelerations whose levels rise or fall throughout the recorded time.

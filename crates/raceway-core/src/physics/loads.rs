@@ -114,6 +114,18 @@ impl LoadCourse {
         }
     }
 
+    /// The course of a run that ends at a time [s]: later points and shocks do not count.
+    fn until(&self, end: f64) -> Self {
+        match self {
+            Self::Points(points) if points.last().is_some_and(|point| point.0 > end) => {
+                let before = points.iter().filter(|point| point.0 < end - SHORTEST_RAMP);
+                Self::Points(before.copied().chain([(end, between_points(points, end))]).collect())
+            }
+            Self::Shock(shock) if shock.at >= end => Self::Constant(0.0),
+            other => other.clone(),
+        }
+    }
+
     /// The load in equilibrium with which a run starts: that at time 0, of a harmonic load the mean.
     fn at_start(&self) -> f64 {
         match self {
@@ -147,6 +159,14 @@ fn between_points(points: &[(f64, f64)], time: f64) -> f64 {
 }
 
 impl Load {
+    /// The load of a run that ends at a time [s]: later points and shocks do not count.
+    pub fn until(&self, end: f64) -> Self {
+        match self {
+            Self::Along(direction, course) => Self::Along(*direction, course.until(end)),
+            Self::Rotating(harmonic) => Self::Rotating(*harmonic),
+        }
+    }
+
     /// Records values outside the limits. `place`: that of the load in its list; `largest_speed`: of the spindle [rad/s].
     pub(crate) fn check(&self, place: usize, largest_speed: f64, faults: &mut Faults) {
         match self {

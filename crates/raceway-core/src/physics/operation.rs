@@ -64,6 +64,19 @@ impl SpeedProfile {
         profile
     }
 
+    /// The profile of a run that ends at a time [s]: later points do not count.
+    pub fn until(&self, end: f64) -> Self {
+        if self.end() <= end {
+            return self.clone();
+        }
+        let before = self.points.iter().filter(|point| point.0 < end - SHORTEST_RAMP);
+        let points: Vec<_> = before.copied().chain([(end, self.at(end).1)]).collect();
+        match points.iter().all(|point| point.1 == points[0].1) {
+            true => Self::of_points(vec![(0.0, points[0].1)]),
+            false => Self::of_points(points),
+        }
+    }
+
     /// Angle turned since time 0 [rad], angular speed [rad/s] and angular acceleration [rad/s²].
     #[inline(always)]
     pub fn at(&self, time: f64) -> (f64, f64, f64) {
@@ -100,10 +113,10 @@ impl SpeedProfile {
         Turn { angle, speed, acceleration }
     }
 
-    /// Times after 0 at which the angular acceleration jumps [s].
+    /// Times after 0 at which the angular acceleration jumps [s]. Those closer to 0 than a ramp may be count as 0.
     pub fn kinks(&self) -> impl Iterator<Item = f64> + '_ {
         let several = self.points.len() > 1;
-        self.points.iter().map(|point| point.0).filter(move |&at| several && at > 0.0)
+        self.points.iter().map(|point| point.0).filter(move |&at| several && at >= SHORTEST_RAMP)
     }
 
     /// Time of the last point [s].
@@ -151,6 +164,14 @@ impl Turn {
             acceleration: self.acceleration + ratio * (other.acceleration - self.acceleration),
         }
     }
+}
+
+/// Time beyond the record up to which speeds and loads count [s]: no step that begins in it is as long.
+const BEYOND_RECORD: f64 = 1e-3;
+
+/// Time up to which speeds and loads of a run count, by the times before and of its record [s].
+pub fn end_of_run(settle: f64, duration: f64) -> f64 {
+    settle + duration + BEYOND_RECORD
 }
 
 /// Rotation of both rings over time.
@@ -252,6 +273,16 @@ pub struct Operation {
 }
 
 impl Operation {
+    /// The operation of a run that ends at a time [s]: later points of speeds and loads do not count.
+    pub fn until(&self, end: f64) -> Self {
+        Self {
+            speed: self.speed.until(end),
+            outer_speed: self.outer_speed.until(end),
+            loads: self.loads.iter().map(|load| load.until(end)).collect(),
+            ..self.clone()
+        }
+    }
+
     /// Records loads and tilts outside the limits.
     pub(crate) fn check(&self, faults: &mut Faults) {
         faults.check("operation.axial_load", self.load[0]);
@@ -348,6 +379,27 @@ mod tests {
         assert_eq!(ramp.at(2.0), (2.5, 5.0, 5.0));
         assert_eq!(ramp.at(4.0), (20.0, 10.0, 0.0));
         assert_eq!(ramp.kinks().collect::<Vec<_>>(), [1.0, 3.0]);
+    }
+
+    /// Points after the end of a run do not count: neither a faster speed nor a change. Up to the end the motion is the same.
+    #[test]
+    fn a_profile_ends_with_its_run() {
+        let profile = SpeedProfile::new(vec![(1.0, 2.0), (3.0, 10.0), (5.0, 90.0)]).unwrap();
+        let cut = profile.until(4.0);
+        assert_eq!((cut.largest(), cut.end()), (50.0, 4.0));
+        for time in [0.0, 0.5, 1.0, 2.5, 3.5, 4.0] {
+            assert_eq!(cut.at(time), profile.at(time), "{time} s");
+        }
+        assert_eq!(profile.until(5.0), profile);
+        let steady = SpeedProfile::new(vec![(100.0, 2.0), (200.0, 6.0)]).unwrap().until(0.5);
+        assert!(steady.is_constant() && steady.at(0.25) == (0.5, 2.0, 0.0), "{steady:?}");
+    }
+
+    /// A change nearer to the start than a ramp may be is one at the start.
+    #[test]
+    fn no_kink_is_nearer_to_the_start_than_a_ramp() {
+        let profile = SpeedProfile::new(vec![(5e-324, 2.0), (1.0, 3.0)]).unwrap();
+        assert_eq!(profile.kinks().collect::<Vec<_>>(), [1.0]);
     }
 
     /// Rings that turn against each other turn fastest relative to each other at a point of either profile.

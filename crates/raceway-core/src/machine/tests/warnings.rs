@@ -52,6 +52,19 @@ fn a_shock_after_the_verified_time_is_named() {
     }
 }
 
+/// A load that changes after the record changes neither levels nor messages.
+#[test]
+fn a_load_that_changes_after_the_record_is_steady() {
+    let mut machine = motor_spindle();
+    let settings = settings(0.02, 0.1, Some(5.5e-6));
+    let alone = run(&machine, &settings);
+    let later = LoadCourse::Points(vec![(0.0, 0.0), (500.0, 0.0), (501.0, 1.0)]);
+    machine.rotor.loads = vec![in_the_middle(later)];
+    let with_load = run(&machine, &settings);
+    assert_eq!(with_load.warnings, alone.warnings);
+    assert!(!alone.warnings.is_empty());
+}
+
 /// The repeated time covers a period of the slowest load.
 #[test]
 fn a_slow_load_is_verified_over_its_period() {

@@ -25,6 +25,17 @@ fn loads_change_from_their_start() {
     assert!(VaryingLoads::of(&loads[2..], 0.0).is_none());
 }
 
+/// A run of 1.5 s sees half of the rise, no later shock, and of constant points no change.
+#[test]
+fn loads_end_with_their_run() {
+    let rise = along_y(LoadCourse::Points(vec![(1.0, 10.0), (2.0, 30.0)])).until(1.5);
+    let shock = along_y(LoadCourse::Shock(Shock { peak: 8.0, at: 2.0, duration: 1.0 })).until(1.5);
+    let later = along_y(LoadCourse::Points(vec![(0.0, 5.0), (4.0, 5.0), (5.0, 6.0)])).until(1.5);
+    let (start, change) = start_and_largest_change(&[rise.clone(), shock, later.clone()]);
+    assert_eq!((start[1], change[1]), (15.0, 10.0));
+    assert_eq!((rise.end(), later.end()), (Some(1.5), None));
+}
+
 /// Of order 1 and amplitude m e ω² it is the force of an unbalance, to the last bit.
 #[test]
 fn a_rotating_load_is_an_unbalance() {

@@ -207,6 +207,15 @@ impl Scene {
         self.operation.speed.largest()
     }
 
+    /// The scene of a run that ends at a time [s]: later points of speeds and loads do not count. A grade of unbalance refers to the whole profile.
+    pub(crate) fn until(&self, end: f64) -> Self {
+        let mut spindle = self.spindle;
+        if let Unbalance::Grade(_) = spindle.unbalance {
+            spindle.unbalance = Unbalance::Product(spindle.unbalance_product(self.operating_speed()));
+        }
+        Self { operation: self.operation.until(end), spindle, ..self.clone() }
+    }
+
     /// Speeds of the rings that films and ideal kinematics refer to: where these roll fastest over each other [rad/s].
     pub fn operating_speeds(&self) -> RingSpeeds {
         self.operation.rotation().operating()

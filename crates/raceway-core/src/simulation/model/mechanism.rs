@@ -205,7 +205,7 @@ impl Mechanism {
 
     /// Times after 0 at which the angular acceleration or the slope of a load jumps [s], in their order.
     pub(crate) fn kinks(&self) -> Vec<f64> {
-        let of_loads = self.varying_loads.iter().flat_map(VaryingLoads::kinks).filter(|at| *at > 0.0);
+        let of_loads = self.varying_loads.iter().flat_map(VaryingLoads::kinks).filter(|at| *at >= SHORTEST_RAMP);
         let mut kinks: Vec<f64> = self.rotation.kinks().chain(of_loads).collect();
         kinks.sort_by(f64::total_cmp);
         kinks.dedup_by(|later, earlier| *later < *earlier + SHORTEST_RAMP);

@@ -59,7 +59,7 @@ pub struct Plan {
 
 impl Plan {
     pub fn of(scene: &Scene, settings: &RunSettings) -> Result<Self, UnsupportedChoice> {
-        let Eligibility { levels, not_eligible } = Eligibility::of(scene, settings)?;
+        let Eligibility { levels, not_eligible } = Eligibility::of(&settings.seen(scene), settings)?;
         let mut queue = Vec::new();
         for level in levels {
             match level.is_reduced() {

@@ -36,6 +36,7 @@ const REPETITION_EVALUATIONS: u64 = 50;
 /// Simulates the scene. Deterministic: the same arguments give the same bits apart from wall times. The result holds the requested
 /// series, unless `control` names a receiver of them.
 pub fn simulate(scene: &Scene, settings: &RunSettings, control: &Control<'_>) -> Result<RunResult, SimulationError> {
+    let scene = &settings.seen(scene);
     if control.series.is_some() || settings.outputs.series.is_empty() {
         return solve(scene, settings, control);
     }

@@ -42,6 +42,7 @@ pub fn study(
     plan: &Plan,
     control: &Control<'_>,
 ) -> Result<WorkPrecision, SimulationError> {
+    let scene = &settings.seen(scene);
     let settings = RunSettings {
         method: SETTLING.0,
         relative_tolerance: SETTLING.1,
