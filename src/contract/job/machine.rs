@@ -6,7 +6,6 @@ use raceway_core::machine::level::{LevelChoice, ReducedLevel, inapplicability, m
 use raceway_core::machine::settings::{MachineSettings, RANGE};
 use raceway_core::numerics::spectrum::EnvelopeAnalysis;
 use raceway_core::physics::kinematics::RingSpeeds;
-use raceway_core::physics::operation::end_of_run;
 use raceway_core::simulation::input::settings::ENVELOPE;
 use raceway_core::simulation::recording::sampling::RATE;
 use serde::{Deserialize, Serialize};
@@ -214,7 +213,7 @@ impl MachineJob {
         let machine = machine(&mut input.scene, &draft.resolved, defaults);
         let settings = settings(input, machine.as_ref(), defaults);
         // Without a settling time all speeds are constant.
-        let end = settings.settle.map_or(f64::INFINITY, |settle| end_of_run(settle, settings.duration));
+        let end = settings.settle.map_or(f64::INFINITY, |settle| settle + settings.duration);
         let machine = machine.map(|machine| machine.until(end));
         let solver = input.solver.clone().unwrap_or_default();
         let level = solver.resolve(machine.as_ref(), &settings.series, defaults);

@@ -4,7 +4,6 @@ use raceway_core::machine::channel::MachineChannel;
 use raceway_core::machine::input::Machine;
 use raceway_core::machine::mode_precision::ModePlan;
 use raceway_core::physics::frame::shaft::ShaftMotion;
-use raceway_core::physics::operation::end_of_run;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
@@ -119,7 +118,7 @@ impl ModeComparison {
         let plan = plan(input, machine.as_ref(), defaults);
         let (submission, input, _) = draft.finish()?;
         // Without errors there is one. Without a settling time all speeds are constant.
-        let end = plan.settle.map_or(f64::INFINITY, |settle| end_of_run(settle, plan.duration));
+        let end = plan.settle.map_or(f64::INFINITY, |settle| settle + plan.duration);
         let machine = machine.map(|machine| machine.until(end)).ok_or(Refusal::Invalid { errors: Vec::new() })?;
         Ok(Self { submission, input, machine, plan })
     }

@@ -36,7 +36,7 @@ impl RecordedTurns {
     pub fn of(scene: &Scene, settle: f64, duration: f64) -> Self {
         Self {
             angle: recorded_angle([&scene.operation.speed, &scene.operation.outer_speed], settle, duration),
-            outer_ring_turns: scene.operation.outer_speed.largest() > 0.0,
+            outer_ring_turns: turns(&scene.operation.outer_speed, settle + duration),
             bearings: vec![RecordedBearing::of(scene, None)],
         }
     }
@@ -45,7 +45,7 @@ impl RecordedTurns {
     pub fn of_machine(machine: &Machine, settle: f64, duration: f64) -> Self {
         Self {
             angle: recorded_angle([&machine.speed, &machine.outer_speed], settle, duration),
-            outer_ring_turns: machine.outer_speed.largest() > 0.0,
+            outer_ring_turns: turns(&machine.outer_speed, settle + duration),
             bearings: RecordedBearing::of_machine(machine).collect(),
         }
     }
@@ -103,8 +103,12 @@ impl RecordedBearing {
 /// Angle between the end of settling [s] and the last value of a recorded time [s].
 fn recorded_angle([shaft, outer]: [&SpeedProfile; 2], settle: f64, duration: f64) -> Option<ShaftAngle> {
     let last = (settle + duration - RATE.recip()).max(settle);
-    let stands = outer.largest() == 0.0;
-    stands.then(|| ShaftAngle::new(shaft, settle, last)).flatten()
+    (!turns(outer, settle + duration)).then(|| ShaftAngle::new(shaft, settle, last)).flatten()
+}
+
+/// True if a ring turns before a time [s].
+fn turns(speed: &SpeedProfile, end: f64) -> bool {
+    speed.until(end).largest() > 0.0
 }
 
 fn has_cage(scene: &Scene) -> bool {

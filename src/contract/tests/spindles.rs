@@ -1,5 +1,7 @@
 //! Bearings on a rigid spindle, and a list of one bearing.
 
+use raceway_core::machine::simulate::simulate_on;
+use raceway_core::simulation::input::control::Control;
 use serde_json::{Value, json};
 
 use crate::contract::json::problem::Refusal;
@@ -118,6 +120,27 @@ fn a_speed_after_the_record_does_not_count() {
     let Job::Machine(job) = parsed(&request).unwrap() else { panic!("another kind") };
     assert!(job.machine.speed.is_constant());
     assert!(job.machine.bearings.iter().all(|bearing| bearing.scene.operating_speeds().inner < 105.0));
+}
+
+/// A light shaft with clearance, held by a support: its linear whirl throws balls into raceways, so that no motion follows. It starts at rest.
+#[test]
+fn a_loose_shaft_starts_without_its_linear_whirl() {
+    let bearing =
+        |name: &str, at: f64, faces: &str| json!({ "name": name, "bearing": "608", "at_mm": at, "faces": faces });
+    let disc =
+        |at: f64, mass: f64, inertia: f64| json!({ "at_mm": at, "mass_kg": mass, "transverse_inertia_kg_m2": inertia });
+    let request = json!({ "kind": "machine", "settle_s": 0.01, "duration_s": 0.01, "step_us": 5, "scene": {
+        "shaft": { "sections": [{ "length_mm": 69.2, "outer_diameter_mm": 8, "inner_diameter_mm": 5.9 }],
+                   "discs": [disc(58.7, 4.42e-3, 1.65e-7), disc(48.6, 1.288e-2, 5.8e-7)],
+                   "unbalances": [{ "at_mm": 6.2, "unbalance_g_mm": 1.435, "phase_deg": -59 }] },
+        "bearings": [bearing("A", 19.5, "+x"), bearing("B", 45.0, "-x")],
+        "supports": [{ "at_mm": 13.6, "stiffness_n_per_um": [0, 1.61, 0.13], "damping_n_s_per_m": [0, 27.7, 484] }],
+        "operation": { "speed_rpm": 17200, "radial_load_y_n": 0.186 }
+    } });
+    let Job::Machine(job) = parsed(&request).unwrap() else { panic!("another kind") };
+    let result = simulate_on(job.level, &job.machine, &job.settings, &Control::until(&|| false)).unwrap();
+    let largest = result.bearings.iter().map(|bearing| bearing.record.inner_load).fold(0.0, f64::max);
+    assert!((0.1..1000.0).contains(&largest), "{largest} N");
 }
 
 /// Cage bending, heat and fits are described, and come later.

@@ -35,9 +35,12 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// The machine of a run that ends at a time [s]: later points of its speeds do not count.
+    /// The machine of a run that ends at a time [s]: later points of speeds and loads do not count.
     pub fn until(mut self, end: f64) -> Self {
         (self.speed, self.outer_speed) = (self.speed.until(end), self.outer_speed.until(end));
+        for placed in &mut self.rotor.loads {
+            placed.load = placed.load.until(end);
+        }
         for bearing in &mut self.bearings {
             bearing.scene.operation = bearing.scene.operation.until(end);
         }

@@ -166,14 +166,6 @@ impl Turn {
     }
 }
 
-/// Time beyond the record up to which speeds and loads count [s]: no step that begins in it is as long.
-const BEYOND_RECORD: f64 = 1e-3;
-
-/// Time up to which speeds and loads of a run count, by the times before and of its record [s].
-pub fn end_of_run(settle: f64, duration: f64) -> f64 {
-    settle + duration + BEYOND_RECORD
-}
-
 /// Rotation of both rings over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingRotation {

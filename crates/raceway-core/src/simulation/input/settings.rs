@@ -3,7 +3,6 @@
 use crate::numerics::ode::Method;
 use crate::numerics::spectrum::{EnvelopeAnalysis, EnvelopeKind};
 use crate::physics::kinematics::ideal_frequencies;
-use crate::physics::operation::end_of_run;
 use crate::simulation::input::channel::Channel;
 use crate::simulation::input::model_level::ModelLevel;
 use crate::simulation::input::scene::Scene;
@@ -130,7 +129,7 @@ impl RunSettings {
 
     /// The scene as the run sees it: speeds and loads after its end do not count.
     pub(crate) fn seen(&self, scene: &Scene) -> Scene {
-        scene.until(end_of_run(self.settle, self.duration))
+        scene.until(self.settle + self.duration)
     }
 
     /// The tightest relative tolerance that the run may choose [-].
