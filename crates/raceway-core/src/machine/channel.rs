@@ -9,7 +9,7 @@ use crate::simulation::input::channel::{Axis, BallContact, Channel, Motion};
 /// A signal. Bearings, sensors and bodies count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MachineChannel {
-    /// Of the inner ring of a bearing, along the shaft's axes.
+    /// Motion of the inner ring of a bearing, along the shaft's axes.
     Ring(usize, Axis, Motion),
     /// Tilt of the inner ring about Y or the new Z.
     Tilt(usize, Axis),

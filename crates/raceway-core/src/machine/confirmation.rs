@@ -30,7 +30,7 @@ pub(super) struct Confirmed {
     pub last: LastStep,
     /// Longer steps that were rejected.
     pub rejections: Vec<MachineWarning>,
-    /// Of all runs.
+    /// Work of all runs.
     pub work: Work,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct Pair {
     pub errors: Vec<(MachineChannel, Option<f64>)>,
 }
 
-/// Judgement of a step by its pair.
+/// Judgement of a step.
 enum Verdict {
     Accepted(LastStep),
     /// The largest error [dB], which shorter steps may reduce.

@@ -19,7 +19,7 @@ pub fn start_state(machine: &Machine, dynamics: &MachineDynamics) -> Result<Vec<
     let frame = &dynamics.frame;
     let rest = deflection(&frame.system, &machine.rotor)?;
     let (place, velocity) = match forced_motion(machine, frame, &rest) {
-        moving if is_near(machine, dynamics, &moving) => moving,
+        moving if is_within_clearances(machine, dynamics, &moving) => moving,
         _ => (rest.clone(), rest * 0.0),
     };
     let (place, velocity) = (place.as_slice(), velocity.as_slice());
@@ -63,9 +63,13 @@ fn forced_motion(machine: &Machine, frame: &Frame, rest: &DVector<f64>) -> (DVec
     (place, velocity)
 }
 
-/// True unless the motion presses an inner ring, which has no load and no stiffness at rest, harder than all loads together do: it is then larger
-/// than the clearance of a shaft that this bearing would hold.
-fn is_near(machine: &Machine, dynamics: &MachineDynamics, (place, velocity): &(DVector<f64>, DVector<f64>)) -> bool {
+/// True unless the motion presses an unloaded inner ring harder than all loads together do. Such a ring has no stiffness at rest, so that the linear
+/// motion may go beyond its clearance.
+fn is_within_clearances(
+    machine: &Machine,
+    dynamics: &MachineDynamics,
+    (place, velocity): &(DVector<f64>, DVector<f64>),
+) -> bool {
     let Rotor { speed, unbalances, loads, bearings, .. } = &machine.rotor;
     let Some(operating) = dynamics.frame.system.operating.first() else { return true };
     let unbalance: f64 = unbalances.iter().map(|plane| plane.product * speed * speed).sum();
